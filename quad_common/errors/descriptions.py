@@ -120,11 +120,20 @@ class MassesMissing(DescriptionError):
     """Mass that the description states of other parts [kg]."""
     given: float = 0.0
     """Mass of the whole robot that was given, and is too little; 0 if none was [kg]."""
+    of_parts: float = 0.0
+    """Largest mass that is stated of one of these parts, too small to count; 0 if none is [kg]."""
+    least: float = 0.0
+    """Least mass of a part [kg]."""
 
     def sentence(self) -> str:
         """Say which parts have no mass, and how to give the robot's."""
         names = ', '.join(self.parts[:3]) + (' ...' if len(self.parts) > 3 else '')
         missing = f'{self.path} has no mass of {clipped(names)}'
+        if self.of_parts:
+            missing = (
+                f'{self.path} has too small a mass of {clipped(names)}, {self.of_parts:.3g} kg at '
+                f'most, where a part needs {self.least:g} kg'
+            )
         if self.given:
             return (
                 f'{missing}; --mass {self.given:g} leaves too little for them, beside the '

@@ -73,7 +73,9 @@ def fill_masses(
         return
     missing = mass - sum(stated.values())
     if missing < LIGHTEST * len(lacking):
-        raise MassesMissing(tree.path, tuple(lacking), sum(stated.values()), mass)
+        of_parts = max(stated[name] for name in lacking)
+        whole = sum(stated.values())
+        raise MassesMissing(tree.path, tuple(lacking), whole, mass, of_parts, LIGHTEST)
     boxes = {name: _boxes(tree, parts[name]) for name in lacking}
     volumes = {name: sum(map(_volume, own.values())) for name, own in boxes.items()}
     if not any(volumes.values()):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
-from quad_common.errors import JointFiguresMissing
+from quad_common.errors import DescriptionEntryInvalid, JointFiguresMissing
 from quad_common.importing.chains import LegChain, find_legs
 from quad_common.importing.feet import Foot, find_foot, foot_on_ground
 from quad_common.importing.gaps import leave_out_missing
@@ -21,7 +21,7 @@ from quad_common.importing.leg_axes import LegAxes, leg_axes
 from quad_common.importing.masses import find_parts
 from quad_common.importing.options import ImportOptions, Notes, file_name
 from quad_common.importing.standing import StandingRobot, standing_robot
-from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
+from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS, LONGEST_PART_NAME
 
 Array = NDArray[np.float64]
 
@@ -91,6 +91,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         first = standing_robot(tree, (chains, axes, feet), parts, options, Notes())
         feet = _on_ground(tree, feet, axes, first, notes)
     found = standing_robot(tree, (chains, axes, feet), parts, options, notes)
+    _check_names(found, path)
     _note_doubts(found, notes)
     return ImportedRobot(
         **vars(found),
@@ -100,6 +101,21 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         effort=_figures(tree, found.chains, 'effort', options.effort),
         notes=notes,
     )
+
+
+def _check_names(robot: StandingRobot, path: Path) -> None:
+    """Refuse names that a robot's data file cannot have."""
+    named = [('joint', joint.name) for chain in robot.chains for joint in chain.joints]
+    named += [('link', name) for chain in robot.chains for name in chain.links]
+    named += [('link', foot.link) for foot in robot.feet]
+    for kind, name in (*named, ('link', robot.parts.body.link)):
+        if len(name) > LONGEST_PART_NAME:
+            problem = f'has a name of {len(name)} characters; {LONGEST_PART_NAME} are the most'
+        elif not name.isprintable():
+            problem = 'has a name with a line break, or another character that is not printable'
+        else:
+            continue
+        raise DescriptionEntryInvalid(path, f"{kind} '{name[:LONGEST_PART_NAME]}'", problem)
 
 
 def _note_doubts(robot: StandingRobot, notes: Notes) -> None:

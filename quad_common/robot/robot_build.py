@@ -23,6 +23,9 @@ LEGS = ('lf', 'rf', 'lh', 'rh')
 
 JOINTS_PER_LEG = 3
 
+LONGEST_PART_NAME = 200
+"""Characters of the name of a joint or a link."""
+
 LEG_TYPES = {
     'yaw_pitch_pitch': ('hip_yaw', 'hip_pitch', 'knee_pitch'),
     'roll_pitch_pitch': ('hip_roll', 'hip_pitch', 'knee_pitch'),

@@ -29,6 +29,7 @@ from quad_common.robot.robot_build import (
     JOINTS_PER_LEG,
     LEG_TYPES,
     LEGS,
+    LONGEST_PART_NAME,
     LinkShape,
     PartNames,
 )
@@ -42,9 +43,6 @@ NAMES_OF_IMPORTED = ('urdf', 'names')
 
 _ROUNDED = 1e-8
 """Moment of inertia by which numbers in a file may be off [kg m^2]."""
-
-_LONGEST_NAME = 200
-"""Characters of the name of a joint or a link."""
 
 _UNIT = 1e-6
 """Deviation from 1 of a unit vector's length, and from 0 of the cosine of a right angle."""
@@ -217,11 +215,16 @@ def part_names(document: Mapping[str, Any], path: Path) -> PartNames:
 def _names(names: Mapping[str, Any], key: str, path: Path, count: int = 0) -> tuple[str, ...]:
     """Read a list of different names; of any length if no count is given."""
     given: Any = names.get(key)
-    is_list = isinstance(given, list) and all(
-        isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
-        for name in given
-    )
-    if not is_list or len(set(given or ())) != len(given or ()) or (count and len(given) != count):
-        number = f'{count} ' if count else ''
-        raise RobotValueInvalid(f'names.{key}', given, f'a list of {number}names', f'{path}: ')
+    is_list = isinstance(given, list) and all(isinstance(name, str) for name in given)
+    if not is_list or (count and len(given) != count):
+        valid = f'a list of {count} names' if count else 'a list of names'
+        raise RobotValueInvalid(f'names.{key}', given, valid, f'{path}: ')
+    for place, name in enumerate(given):
+        valid = ''
+        if not (0 < len(name) <= LONGEST_PART_NAME and name.isprintable()):
+            valid = f'a text of 1 to {LONGEST_PART_NAME} printable characters, without line breaks'
+        elif name in given[:place]:
+            valid = 'another name than those before it'
+        if valid:
+            raise RobotValueInvalid(f'names.{key}[{place}]', name, valid, f'{path}: ')
     return tuple(given)

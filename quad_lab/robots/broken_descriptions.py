@@ -142,6 +142,7 @@ _OF_MASSES: dict[str, Change] = {
     'a mass of words': _replaced(r'mass value="[^"]*"', 'mass value="heavy"'),
     'a negative mass': _replaced(r'mass value="[^"]*"', 'mass value="-1"'),
     'a mass that is no number': _replaced(r'mass value="[^"]*"', 'mass value="nan"'),
+    'a mass of a tenth of a gram': _replaced(r'mass value="[^"]*"', 'mass value="0.0001"'),
     'an infinite mass': _replaced(r'mass value="[^"]*"', 'mass value="inf"'),
     'a mass of planets': _replaced(r'mass value="[^"]*"', 'mass value="1e24"'),
     'an inertia that is no number': _replaced(r'ixx="[^"]*"', 'ixx="nan"'),

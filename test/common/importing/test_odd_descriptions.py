@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip('yourdfpy')
 
-from quad_common.errors import DescriptionEntryInvalid, LegNotFeasible
+from quad_common.errors import DescriptionEntryInvalid, LegNotFeasible, MassesMissing
 from quad_common.importing.robot_document import write_robot
 from quad_common.importing.robot_import import import_robot
 from quad_common.robot.urdf import urdf_from_robot
@@ -133,6 +133,28 @@ def test_materials_may_have_textures_without_a_file(described):
     visual = described.named('link', 'base_link').find('visual')
     ElementTree.SubElement(ElementTree.SubElement(visual, 'material', name='m'), 'texture')
     assert described.written()[0] == []
+
+
+def test_a_mass_that_is_too_small_is_not_said_to_be_none(described):
+    described.named('link', 'base_link').find('inertial/mass').set('value', '0.0001')
+    said = r'too small a mass of base_link, 0\.0001 kg at most, where a part needs 0\.001 kg; give'
+    with pytest.raises(MassesMissing, match=said) as caught:
+        described.imported()
+    assert (caught.value.of_parts, caught.value.least) == (0.0001, 0.001)
+
+
+@pytest.mark.parametrize(
+    ('name', 'said'),
+    [
+        ('lf\nknee', r"joint 'lf\\nknee' has a name with a line break"),
+        (201 * 'k', r"joint 'k*' has a name of 201 characters; 200 are the most"),
+    ],
+    ids=['two lines', 'too long'],
+)
+def test_names_that_no_robot_file_can_have_are_refused_for_what_they_are(described, name, said):
+    described.named('joint', 'lf_knee_pitch_joint').set('name', name)
+    with pytest.raises(DescriptionEntryInvalid, match=said):
+        described.imported()
 
 
 def test_shapes_that_are_none_are_refused_for_what_they_are(described):
