@@ -130,6 +130,7 @@ from quad_common.errors.robots import InitialPostureSingular as InitialPostureSi
 from quad_common.errors.robots import JointRangeEmpty as JointRangeEmpty
 from quad_common.errors.robots import LegTooShort as LegTooShort
 from quad_common.errors.robots import LegTypeUnknown as LegTypeUnknown
+from quad_common.errors.robots import LinkTooThick as LinkTooThick
 from quad_common.errors.robots import RobotEntryInvalid as RobotEntryInvalid
 from quad_common.errors.robots import RobotFileMissing as RobotFileMissing
 from quad_common.errors.robots import RobotFileUnusable as RobotFileUnusable

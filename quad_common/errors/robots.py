@@ -158,6 +158,28 @@ class JointRangeEmpty(RobotFileError):
 
 
 @dataclass(eq=False, repr=False)
+class LinkTooThick(RobotFileError):
+    """The radius of a link is more than any leg of its length has."""
+
+    name: str
+    """Dotted name of the radius."""
+    radius: float
+    """Radius that was given [m]."""
+    length: float
+    """Length of the straight legs, thigh and calf [m]."""
+    most: float
+    """Largest radius of a link of such legs [m]."""
+
+    def sentence(self) -> str:
+        """Say how thick links may be."""
+        return (
+            f'{self.path}: {self.name} is {self.radius:.3g} m; links of legs that are '
+            f'{self.length:.3g} m long (thigh and calf) may have a radius of {self.most:.3g} m at '
+            'most'
+        )
+
+
+@dataclass(eq=False, repr=False)
 class AxisNotAUnitVector(RobotFileError):
     """An axis of a leg is not of length 1."""
 

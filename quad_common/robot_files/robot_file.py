@@ -20,6 +20,7 @@ from quad_common.errors import (
     JointLimitExceeded,
     JointRangeEmpty,
     LegTypeUnknown,
+    LinkTooThick,
     OutOfRange,
     RobotEntryInvalid,
     RobotFileMissing,
@@ -65,6 +66,10 @@ _GAIT_KEYS = ('cycle_period', 'swing_height', 'largest_fractions')
 """What a robot may change in a gait."""
 
 _WHAT = 'robot data file'
+
+_THICKEST = 0.5
+"""Largest radius of a link over the length of thigh and calf: with more it is in the ground, and
+imports have 0.35 at most."""
 
 _LONGEST_NAME = 64
 """Characters of a robot's name."""
@@ -194,8 +199,18 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
         own_urdf=named_urdf(document, names, path) if is_imported else '',
     )
     number.check_all_used(but=(*_NOT_NUMBERS, *(NAMES_OF_IMPORTED if is_imported else ())))
+    _check_radii(robot, path)
     _check_posture(robot, path)
     return robot
+
+
+def _check_radii(robot: Robot, path: Path) -> None:
+    """Raise if a link is thicker than legs are: every number may be in its range for itself."""
+    length = float(np.mean([leg.thigh_length + leg.calf_length for leg in robot.legs]))
+    for kind, link in robot.links.items():
+        if link.radius > _THICKEST * length:
+            name, most = f'leg.{kind}_radius', _THICKEST * length
+            raise LinkTooThick(path, name, link.radius, length, most)
 
 
 def _check_posture(robot: Robot, path: Path) -> None:
