@@ -225,7 +225,7 @@ class SensorInputs:
         was_moved = self._was_moved or taken is Taken.NEW_SERIES
         self._was_moved = False
         positions = None if self._joints is None else self._joints.positions
-        is_stuck = self._stuck.advance(time, positions)
+        is_stuck = self._stuck.advance(time, positions, orientation)
         is_imu_recent = self._ages.advance(time) and not is_stuck
         self.imu_problem = self._problem_of_imu(self._missing_orientation(time))
         joints, imu = self._joints, self._imu[0] if is_imu_recent else None

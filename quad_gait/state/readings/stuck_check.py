@@ -3,7 +3,8 @@ Notices an imu that says the same over and over, though the robot moves.
 
 A driver or a filter that hangs may go on to publish its last attitude, with new stamps: nothing
 about it is impossible. But the attitude of a body that walks is not the same to the last digit for
-long.
+long; but for an ideal one, as simulators without physics tell: that is level to the last digit, and
+odometry tells nothing else.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.rotations import tilt_from_quaternion
+
 Array = NDArray[np.float64]
 
 _PATIENCE = 2.0
@@ -21,6 +24,9 @@ _PATIENCE = 2.0
 _TURNED = 0.2
 """Angle by which a joint must have turned meanwhile [rad]: a robot that stands still proves
 nothing."""
+
+_TILTED = math.radians(3.0)
+"""Tilt of a body by its odometry that is not ideally level [rad]."""
 
 
 class StuckCheck:
@@ -44,9 +50,25 @@ class StuckCheck:
         if not self._is_same:
             self._since, self.problem = math.nan, ''
 
-    def advance(self, time: float, joints: Array | None) -> bool:
-        """Take joint positions, shape (n,) [rad], at a time [s]; return whether it is stuck."""
-        if not self._is_same or joints is None:
+    def advance(self, time: float, joints: Array | None, odometry: Array) -> bool:
+        """
+        Let time go on.
+
+        Parameters
+        ----------
+        time : float
+            Now [s].
+        joints : ndarray, shape (n,), or None
+            Positions of the joints, if they are known [rad].
+        odometry : ndarray, shape (4,)
+            Attitude by odometry, quaternion xyzw.
+
+        Returns
+        -------
+        bool
+            Whether the imu is stuck.
+        """
+        if not self._is_same or joints is None or self._is_ideal(odometry):
             return False
         if math.isnan(self._since) or self._joints is None or time < self._since:
             self._since, self._joints, self._turned = time, joints, 0.0
@@ -58,3 +80,9 @@ class StuckCheck:
                 f'{self._turned:.2f} rad'
             )
         return bool(self.problem)
+
+    def _is_ideal(self, odometry: Array) -> bool:
+        """Return whether the body is exactly level, and odometry does not say otherwise."""
+        assert self._last is not None
+        is_level = not self._last[:2].any()
+        return is_level and tilt_from_quaternion(odometry) < _TILTED

@@ -17,7 +17,7 @@ def rolled(angle):
     return np.array([np.sin(angle / 2.0), 0.0, 0.0, np.cos(angle / 2.0)])
 
 
-def walked(inputs, attitude_at, begin, end, swing=0.2):
+def walked(inputs, attitude_at, begin, end, swing=0.2, odometry=0.01):
     """Swing a joint to and fro; return the last measurement."""
     now = None
     for time in np.arange(begin, end, STEP):
@@ -25,7 +25,7 @@ def walked(inputs, attitude_at, begin, end, swing=0.2):
         joints[1] += swing * np.sin(3.0 * time)
         inputs.take_joints(JointReadings(joints, None, None, time))
         inputs.take_imu(time, attitude_at(time), 0.0)
-        now = inputs.take_odometry(time, ORIGIN, rolled(0.01))
+        now = inputs.take_odometry(time, ORIGIN, rolled(odometry))
     return now
 
 
@@ -33,7 +33,7 @@ def alive(time):
     return rolled(0.05 + 0.01 * np.sin(7.0 * time))
 
 
-@pytest.mark.parametrize('stuck_at', [0.0, 0.15])
+@pytest.mark.parametrize('stuck_at', [0.02, 0.15])
 def test_a_stuck_imu_gives_way_to_odometry_and_comes_back(stuck_at):
     inputs = SensorInputs(ROBOT)
     walked(inputs, alive, 0.0, 3.0)
@@ -66,3 +66,11 @@ def test_an_attitude_that_is_rounded_changes_often_enough():
     inputs = SensorInputs(ROBOT)
     walked(inputs, lambda time: rolled(round(0.05 + 0.005 * np.sin(2.0 * time), 3)), 0.0, 10.0)
     assert not inputs.imu_problem
+
+
+@pytest.mark.parametrize(('odometry', 'is_stuck'), [(0.0, False), (0.02, False), (0.1, True)])
+def test_an_ideal_imu_is_level_to_the_last_digit_as_long_as_odometry_agrees(odometry, is_stuck):
+    # As simulators without physics tell it.
+    inputs = SensorInputs(ROBOT)
+    walked(inputs, lambda time: np.array([0.0, 0.0, 0.0, 1.0]), 0.0, 10.0, odometry=odometry)
+    assert bool(inputs.imu_problem) == is_stuck
