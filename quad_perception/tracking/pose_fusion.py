@@ -84,7 +84,8 @@ class FusionOptions:
     memory: float = 5.0
     """Pictures may be so late [s]."""
     patience: int = 5
-    """Number of poses in a row not believed after which the next one is: the robot was moved."""
+    """Number of poses in a row not believed that agree with one another, after which the next one
+    is: the robot was moved."""
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -94,9 +95,25 @@ class FusionOptions:
                 raise ParameterError(name, value, 'positive and finite')
 
 
+@dataclass
+class _Rival:
+    """Another place where pictures in a row have had the robot."""
+
+    correction: Pose2D
+    """The odometry's frame in the map's by the first of them."""
+    covariance: Array
+    """Covariance of the pose by it, grown since, shape (3, 3)."""
+    count: int = 1
+    """Number of pictures that agree."""
+
+
 class PoseFusion:
     """
     A filter for one robot.
+
+    Poses that do not fit are not believed. Where a number of them in a row agree with one another
+    as odometry has the robot move meanwhile, it was carried, and is there from then on; poses that
+    contradict one another, as of a mirrored picture or of another robot that walks, never are.
 
     Parameters
     ----------
@@ -109,7 +126,7 @@ class PoseFusion:
         self._odometry: deque[tuple[float, Pose2D]] = deque()
         self._correction: Pose2D | None = None
         self._covariance: Array = np.zeros((3, 3))
-        self._refused = 0
+        self._rival: _Rival | None = None
         self._corrected_at = -math.inf
 
     @property
@@ -147,7 +164,11 @@ class PoseFusion:
         if self._odometry and time < self._odometry[-1][0]:
             self.reset()
         if self._odometry and self._correction is not None:
-            self._drift(self._correction @ self._odometry[-1][1], self._correction @ pose)
+            step = self._odometry[-1][1], pose
+            self._covariance = self._drifted(self._covariance, self._correction, *step)
+            rival = self._rival
+            if rival is not None:
+                rival.covariance = self._drifted(rival.covariance, rival.correction, *step)
         self._odometry.append((time, pose))
         while self._odometry[0][0] < time - self._options.memory:
             self._odometry.popleft()
@@ -173,16 +194,15 @@ class PoseFusion:
             If it is too far from where the robot must be.
         """
         then = self._odometry_at(time)
-        if self._correction is None or self._refused >= self._options.patience:
+        if self._correction is None:
             self._begin(time, pose, then, covariance)
             return
         expected = self._correction @ then
-        off = np.array(
-            [pose.x - expected.x, pose.y - expected.y, wrap_angle(pose.yaw - expected.yaw)]
-        )
-        total = self._covariance + covariance
-        if float(off @ np.linalg.solve(total, off)) > _GATE:
-            self._refused += 1
+        off, total = _apart(pose, expected), self._covariance + covariance
+        if _is_beyond(off, total):
+            if self._is_carried(pose, then, covariance):
+                self._begin(time, pose, then, covariance)
+                return
             raise PoseRefused(float(np.hypot(off[0], off[1])), abs(float(off[2])))
         gain = np.linalg.solve(total.T, self._covariance.T).T
         x, y, yaw = (gain @ off).tolist()
@@ -191,7 +211,7 @@ class PoseFusion:
         # Joseph's form: it stays symmetric and positive.
         left = np.eye(3) - gain
         self._covariance = left @ self._covariance @ left.T + gain @ covariance @ gain.T
-        self._refused = 0
+        self._rival = None
         self._corrected_at = time
 
     def reset(self) -> None:
@@ -199,17 +219,29 @@ class PoseFusion:
         self._odometry.clear()
         self._correction = None
         self._covariance = np.zeros((3, 3))
-        self._refused = 0
+        self._rival = None
         self._corrected_at = -math.inf
+
+    def _is_carried(self, pose: Pose2D, then: Pose2D, covariance: Array) -> bool:
+        """Return whether a pose that does not fit goes on with enough others before it."""
+        rival = self._rival
+        if rival is None or _is_beyond(
+            _apart(pose, rival.correction @ then), rival.covariance + covariance
+        ):
+            self._rival = _Rival(pose @ then.inverse(), np.array(covariance, dtype=float))
+            return False
+        rival.count += 1
+        return rival.count > self._options.patience
 
     def _begin(self, time: float, pose: Pose2D, then: Pose2D, covariance: Array) -> None:
         self._correction = pose @ then.inverse()
         self._covariance = np.array(covariance, dtype=float)
-        self._refused = 0
+        self._rival = None
         self._corrected_at = time
 
-    def _drift(self, before: Pose2D, after: Pose2D) -> None:
-        """Let the covariance grow by a random walk; poses on the map."""
+    def _drifted(self, covariance: Array, correction: Pose2D, old: Pose2D, new: Pose2D) -> Array:
+        """Return a covariance that has grown by a random walk, between two odometries."""
+        before, after = correction @ old, correction @ new
         distance = before.distance_to(after)
         # An error of the heading leads sideways.
         lead = np.eye(3)
@@ -218,7 +250,8 @@ class PoseFusion:
         turned = abs(wrap_angle(after.yaw - before.yaw))
         around = self._options.turning_slip**2 * (distance + turned)
         drift = np.diag([along, along, around])
-        self._covariance = lead @ self._covariance @ lead.T + drift
+        grown: Array = lead @ covariance @ lead.T + drift
+        return grown
 
     def _odometry_at(self, time: float) -> Pose2D:
         """Interpolate the odometry."""
@@ -240,3 +273,13 @@ class PoseFusion:
             a.y + fraction * (b.y - a.y),
             wrap_angle(a.yaw + fraction * wrap_angle(b.yaw - a.yaw)),
         )
+
+
+def _apart(pose: Pose2D, expected: Pose2D) -> Array:
+    """Return by how much a pose is off another one, x, y [m] and yaw [rad]."""
+    return np.array([pose.x - expected.x, pose.y - expected.y, wrap_angle(pose.yaw - expected.yaw)])
+
+
+def _is_beyond(off: Array, covariance: Array) -> bool:
+    """Return whether a pose is farther off, (3,), than its covariance explains, (3, 3)."""
+    return float(off @ np.linalg.solve(covariance, off)) > _GATE

@@ -139,6 +139,46 @@ def test_an_outlier_is_refused_and_a_robot_that_was_carried_is_found_again():
     assert fusion.pose.distance_to(there) < 1e-9
 
 
+def refused(fusion, time, pose):
+    """Return whether a picture is refused."""
+    try:
+        fusion.add_picture(time, pose, CAMERA)
+    except PoseRefused:
+        return True
+    return False
+
+
+def test_poses_that_contradict_one_another_are_never_believed():
+    rng, fusion, here = np.random.default_rng(3), PoseFusion(), Pose2D(2.0, 3.0, 0.5)
+    for k in range(200):
+        fusion.add_odometry(0.1 * k, Pose2D(0.0, 0.0, 0.0))
+        seen = here if k < 5 else Pose2D(*rng.uniform(-4.0, 4.0, 2), here.yaw)
+        assert refused(fusion, 0.1 * k, seen) == (k >= 5)
+    assert fusion.pose.distance_to(here) < 1e-9
+
+
+def test_another_robot_that_stands_is_not_believed_while_this_one_walks():
+    fusion, other = PoseFusion(), Pose2D(4.0, 1.0, 2.0)
+    for k in range(100):
+        place = Pose2D(0.02 * k, 0.0, 0.0)
+        fusion.add_odometry(0.1 * k, place)
+        assert refused(fusion, 0.1 * k, place if k < 5 else other) == (k >= 5)
+    assert fusion.pose.distance_to(place) < 1e-9
+
+
+@pytest.mark.parametrize('speed', [0.0, 0.2])
+def test_a_robot_that_was_carried_is_found_though_it_walks_on_and_pictures_differ(speed):
+    rng, fusion = np.random.default_rng(4), PoseFusion()
+    carried = Pose2D(-2.0, 1.0, 2.5)
+    for k in range(12):
+        odometry = Pose2D(0.1 * speed * k, 0.0, 0.0)
+        fusion.add_odometry(0.1 * k, odometry)
+        seen = odometry if k < 5 else carried @ odometry
+        x, y, yaw = rng.multivariate_normal([seen.x, seen.y, seen.yaw], CAMERA)
+        assert refused(fusion, 0.1 * k, Pose2D(x, y, yaw)) == (5 <= k < 10)
+    assert fusion.pose.distance_to(carried @ odometry) < 0.05
+
+
 @pytest.mark.parametrize('stamp', [0.5, 20.0])
 def test_a_picture_from_another_time_is_refused(stamp):
     fusion = PoseFusion()
