@@ -84,7 +84,10 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self.report(WARN, self.rest_note(), is_waiting=True)
         else:
             problems = SessionProblems(
-                self._corrections.problem(), self._gait.problem(), self._maps.refusal
+                self._corrections.problem(),
+                self._gait.problem(),
+                self._maps.refusal,
+                self._traffic.problem(),
             )
             self.report_status(session_status(self._session, self.parameters, self._pace, problems))
 

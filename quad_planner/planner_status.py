@@ -24,6 +24,8 @@ class SessionProblems(NamedTuple):
     """That the gait node that followed plans is gone."""
     refused_map: str = ''
     """Why the last map was refused."""
+    namesake: str = ''
+    """That another planner speaks for a robot of the same name."""
 
 
 NO_PROBLEMS = SessionProblems()
@@ -79,6 +81,8 @@ def session_status(
             f"silent odometry: none on '{topic}' for {session.silence:.0f} s; "
             'plans wait for the robot to say where it is',
         )
+    if problems.namesake:
+        return Status(Level.WARN, problems.namesake)
     if problems.old_correction:
         return Status(Level.WARN, f'old localisation: {problems.old_correction}')
     if session.hold_reason:

@@ -27,6 +27,7 @@ from quad_planner.parameters import PlannerParameters
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.planning_session import PlanningSession
 from quad_planner.session.session_ports import Requests
+from quad_planner.traffic.namesake import Namesake
 from quad_planner.traffic.robot_on_map import RobotOnMap
 from quad_planner.traffic.traffic import Traffic
 
@@ -79,6 +80,7 @@ class TrafficTopics:
         robot = load_robot(node.parameters.robot)
         self._name = node.get_namespace().strip('/') or robot.name
         self._traffic = Traffic(session, self._name, robot.standing_radius, self._requests)
+        self._namesake = Namesake(self._name)
         self._time = self._told_at = -np.inf
         self._words: Any = None
         if node.parameters.gives_way:
@@ -99,8 +101,13 @@ class TrafficTopics:
             # This node's own subscription is one.
             if word is not None and self._words.get_subscription_count() > 1:
                 stamp = self._node.get_clock().now().to_msg()
+                self._namesake.say(word.pose)
                 self._words.publish(robot_markers(word, self._session.map.frame.name, stamp))
         self._traffic.update(time)
+
+    def problem(self) -> str:
+        """Return what is wrong with what robots say of themselves; empty if nothing is."""
+        return self._namesake.problem(self._time)
 
     def close(self) -> None:
         """Tell the others that this robot is no longer spoken for; give up what is searched."""
@@ -113,6 +120,8 @@ class TrafficTopics:
         robot = robot_from_message(message, self._session.map.frame.name)
         if isinstance(robot, str):
             self._traffic.forget_robot(robot)
+        elif robot.name == self._name:
+            self._namesake.hear(self._time, robot.pose)
         else:
             self._traffic.take_robot(self._time, robot)
 
