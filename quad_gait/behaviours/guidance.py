@@ -255,11 +255,11 @@ class Guidance:
             report.limit = f'a cycle was shortened: {planned.limit}'
         size = math.hypot(motion.forward, motion.left)
         turn = f'turning by {math.degrees(motion.turn):.1f} degrees'
-        if step.is_turn or not size > 1e-3:
+        if step.is_turn or size <= 1e-3 < abs(motion.turn):
             report.say(Activity.TURNING, turn)
             return
         turns_too = self.gaits.follower_options.turning != 'in_place' or is_steered
-        said = f'walking {size:.3f} m' + (f' and {turn}' if turns_too else '')
+        said = f'walking {_length(size)}' + (f' and {turn}' if turns_too else '')
         report.say(Activity.WALKING, said)
 
     def _use_new_gaits(self, state: RobotState) -> bool:
@@ -343,6 +343,11 @@ class Guidance:
         if steered.reason and not start.entry:
             self._report.say(Activity.STANDING, steered.reason)
         return steered.step
+
+
+def _length(size: float) -> str:
+    """Return a length [m] in words; of a speed limit that is next to nothing not much is left."""
+    return f'{size:.3f} m' if size > 1e-3 else f'{1e3 * size:.2g} mm'
 
 
 def _is_same_goal(a: Pose2D, b: Pose2D | None) -> bool:
