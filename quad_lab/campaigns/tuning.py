@@ -22,7 +22,7 @@ from quad_gait.cycle.gait import load_gait
 from quad_lab.campaigns.campaign_spec import CampaignSpec, Tuning
 from quad_lab.campaigns.jobs import combinations, seed_of
 from quad_lab.seeded_walks.gait_changes import numbers_of
-from quad_lab.seeded_walks.walk_settings import walk_of
+from quad_lab.seeded_walks.walk_settings import WalkSettings
 from quad_lab.seeded_walks.walk_task import Job, Result, key_of
 
 _STEP = 0.25
@@ -231,8 +231,11 @@ class Tuner:
 
 def _derived(cases: list[dict[str, Any]], names: list[str]) -> dict[str, float]:
     """Return the numbers untuned, where all cases have the same one; nan elsewhere."""
-    settings = [walk_of(case).settings for case in cases]
-    pairs = {(one.robot, one.gait) for one in settings}
+    default = WalkSettings()
+    pairs = {
+        (str(case.get('robot', default.robot)), str(case.get('gait', default.gait)))
+        for case in cases
+    }
     known = []
     for robot, gait in sorted(pairs):
         own = numbers_of(load_gait(gait, load_robot(robot)))
