@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from quad_common.errors import QuadError
 from quad_common.errors.quoting import clipped, quoted
@@ -39,6 +39,10 @@ class CommandParser(argparse.ArgumentParser):
         """Print usage and what is wrong, and end with code 2."""
         super().error(clipped(message))
 
+    def print_help(self, file: Any = None) -> None:
+        """Print the help; raise OSError where it cannot be written, which argparse ignores."""
+        print(self.format_help(), end='', file=file, flush=True)
+
     def check_values(self, arguments: list[str]) -> None:
         """Refuse ``--start=--``: up to Python 3.12 argparse makes an empty list of it."""
         for text in arguments:
@@ -58,7 +62,7 @@ class PrintVersion(argparse.Action):
             version = metadata.version('quadwalk')
         except metadata.PackageNotFoundError:
             version = '(a source tree that is not installed)'
-        print(f'quadwalk {version}')
+        print(f'quadwalk {version}', flush=True)
         parser.exit()
 
 

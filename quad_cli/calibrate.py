@@ -39,6 +39,9 @@ from quad_sim.engines.registry import AUTO, engines_with, preferred, resolved
 
 Array = NDArray[np.float64]
 
+_LEAST_STEP, _LEAST_TURN = 1e-3, math.radians(0.1)
+"""What a motion has at least, one or the other [m, rad]: in a file it is rounded to 1e-6."""
+
 EXAMPLES = """examples:
   quadwalk calibrate --robot cuhk --gait trot
   quadwalk calibrate --robot cuhk --gait trot --backend mujoco --output cuhk_mujoco.yaml
@@ -144,6 +147,8 @@ def _motion(text: str) -> BodyMotion:
     motion = BodyMotion(forward, left, math.radians(angle) if degrees else angle)
     if not all(math.isfinite(part) for part in vector(motion)) or not np.any(vector(motion)):
         raise ParameterError('motion', text, 'finite, and not zero')
+    if math.hypot(motion.forward, motion.left) < _LEAST_STEP and abs(motion.turn) < _LEAST_TURN:
+        raise ParameterError('motion', text, 'at least 1 mm far, or a turn of at least 0.1 deg')
     for name, quantity in QUANTITIES.items():
         quantity.check(f'motion.{name}', getattr(motion, name))
     return motion

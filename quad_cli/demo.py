@@ -76,7 +76,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--robots',
-        default='',
         help='several robots in one world, with commas: each walks to where the next one stands',
     )
     parser.add_argument('--gait', default='crawl', help='name of a gait, or path of a gait file')
@@ -168,7 +167,7 @@ def _add_pose_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command; return 0 if the robot arrived."""
-    if arguments.robots:
+    if arguments.robots is not None:
         page = page_place(arguments) if arguments.view else None
         return walk_robots(arguments, page, _real_time_factor(arguments))
     _check(arguments)

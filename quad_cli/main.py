@@ -67,6 +67,37 @@ def main(args: list[str] | None = None) -> int:
     int
         0 if all went well, 1 if it did not, 2 if it could not be tried.
     """
+    _print_anything()
+    try:
+        arguments = _parsed(sys.argv[1:] if args is None else args)
+        code: int = arguments.run(arguments)
+        # Even a closed stdout, which is None, has nothing against this.
+        print(end='', flush=True)
+        return code
+    except QuadError as error:
+        print(f'error: {error}', file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        # Whoever read the output, for example 'head', has had enough.
+        return 1
+    except OSError as error:
+        # A full disk, a folder that went away: what could be known before is checked before.
+        print(f'error: {clipped(str(error))}', file=sys.stderr)
+        return 2
+    except MemoryError:
+        print('error: there is not enough memory for that', file=sys.stderr)
+        return 2
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.startswith('quad_'):
+            raise
+        print(f'error: this needs the package {error.name}: {_advice(error.name)}', file=sys.stderr)
+        return 2
+    finally:
+        _drop_unwritable()
+
+
+def _parsed(args: list[str]) -> argparse.Namespace:
+    """Read the arguments, with those of the one command that is run."""
     parser = CommandParser(
         prog='quadwalk', description='Walk a quadruped robot from a map to a goal.'
     )
@@ -74,8 +105,6 @@ def main(args: list[str] | None = None) -> int:
         '--version', action=PrintVersion, nargs=0, help='print the version and exit'
     )
     commands = parser.add_subparsers(dest='command', metavar='command', required=True)
-    args = sys.argv[1:] if args is None else args
-    _print_anything()
     for name, summary in COMMANDS.items():
         command = commands.add_parser(
             name,
@@ -90,32 +119,15 @@ def main(args: list[str] | None = None) -> int:
             module.add_arguments(command)
             command.set_defaults(run=module.run)
     parser.check_values(args)
-    arguments = parser.parse_args(with_negative_values(args))
+    return parser.parse_args(with_negative_values(args))
+
+
+def _drop_unwritable() -> None:
+    """Let output that cannot be written go nowhere: at its end the interpreter fails over it."""
     try:
-        code: int = arguments.run(arguments)
-        # Even a closed stdout, which is None, has nothing against this.
         print(end='', flush=True)
-        return code
-    except QuadError as error:
-        print(f'error: {error}', file=sys.stderr)
-        return 2
-    except BrokenPipeError:
-        # Whoever read the output, for example 'head', has had enough. What is still buffered
-        # goes nowhere, so that the interpreter does not fail over it at its end.
+    except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
-    except OSError as error:
-        # A full disk, a folder that went away: what could be known before is checked before.
-        print(f'error: {clipped(str(error))}', file=sys.stderr)
-        return 2
-    except MemoryError:
-        print('error: there is not enough memory for that', file=sys.stderr)
-        return 2
-    except ModuleNotFoundError as error:
-        if error.name is None or error.name.startswith('quad_'):
-            raise
-        print(f'error: this needs the package {error.name}: {_advice(error.name)}', file=sys.stderr)
-        return 2
 
 
 def _print_anything() -> None:

@@ -83,6 +83,7 @@ from quad_common.errors.parameters import ParameterError as ParameterError
 from quad_common.errors.parameters import ParameterFixed as ParameterFixed
 from quad_common.errors.parameters import ParameterUnknown as ParameterUnknown
 from quad_common.errors.parameters import ThresholdsCrossed as ThresholdsCrossed
+from quad_common.errors.parameters import TooManyWalks as TooManyWalks
 from quad_common.errors.parameters import UnknownKey as UnknownKey
 from quad_common.errors.perception import CameraEntryInvalid as CameraEntryInvalid
 from quad_common.errors.perception import CameraError as CameraError

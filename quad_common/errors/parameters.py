@@ -218,3 +218,23 @@ class ParameterUnknown(QuadError):
         return (
             f"{quoted(self.name)} is no parameter of this node; 'ros2 param list' says which it has"
         )
+
+
+@dataclass(eq=False, repr=False)
+class TooManyWalks(QuadError):
+    """A campaign has more walks than one may have."""
+
+    combinations: int
+    """Number of combinations of what varies."""
+    walks: int
+    """Walks of each combination."""
+    most: int
+    """Largest number of walks of a campaign."""
+
+    def sentence(self) -> str:
+        """Say how the number comes about, and which is possible."""
+        each = '1 walk' if self.walks == 1 else f'{self.walks} walks'
+        return (
+            f'{self.combinations} combinations of what varies, {each} of each, make '
+            f'{self.combinations * self.walks} walks; at most {self.most} are possible'
+        )

@@ -36,7 +36,7 @@ def combinations(spec: CampaignSpec) -> list[dict[str, Value]]:
     list of dict
         Cases, without what is tuned.
     """
-    lists = [_listed(values) for values in spec.vary.values()]
+    lists = [listed(values) for values in spec.vary.values()]
     return [_sorted({**spec.fixed, **dict(zip(spec.vary, values))}) for values in product(*lists)]
 
 
@@ -74,6 +74,13 @@ def seed_of(spec: CampaignSpec, case: Case, number: int) -> int:
     return int.from_bytes(hashlib.sha256(said.encode()).digest()[:8], 'big') % _SEEDS
 
 
+def listed(values: tuple[Value, ...] | Span) -> tuple[Value, ...]:
+    """Return the values of a list, the steps of a range, or both ends of one without steps."""
+    if not isinstance(values, Span):
+        return values
+    return values.values if values.steps else (values.lower, values.upper)
+
+
 def _own_seed(spec: CampaignSpec, case: Case, number: int, used: set[int]) -> int:
     seed = seed_of(spec, case, number)
     while seed in used:
@@ -92,12 +99,6 @@ def _drawn(spec: CampaignSpec, seed: int) -> dict[str, Value]:
         else:
             values[name] = choices[int(rng.integers(len(choices)))]
     return _sorted({**spec.fixed, **values})
-
-
-def _listed(values: tuple[Value, ...] | Span) -> tuple[Value, ...]:
-    if not isinstance(values, Span):
-        return values
-    return values.values if values.steps else (values.lower, values.upper)
 
 
 def _sorted(case: Mapping[str, Value]) -> dict[str, Value]:

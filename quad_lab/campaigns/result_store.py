@@ -26,6 +26,8 @@ _WHAT = 'results'
 _MERGED_AT = 64
 """Number of small files that become one."""
 
+_MOVE = 'once it is moved out of the folder the campaign goes on, and walks its walks again'
+
 _LARGE = 2000
 """Rows of a file that is not merged any more."""
 
@@ -77,7 +79,8 @@ class ResultStore:
             rows = self._parquet.read_table(path).to_pylist()
             found = {row['key']: _result(row) for row in rows}
         except (self._arrow.ArrowException, KeyError, TypeError, ValueError) as error:
-            raise FileUnusable(_WHAT, path, 'holds no results of walks') from error
+            reason = f'holds no results of walks: {_MOVE}'
+            raise FileUnusable(_WHAT, path, reason) from error
         except OSError as error:
             raise FileUnusable(_WHAT, path, f'cannot be read: {error.strerror}') from error
         self.results.update(found)

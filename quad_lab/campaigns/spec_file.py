@@ -14,15 +14,10 @@ from quad_common.files.yaml_document import check_keys, read_yaml
 from quad_common.parameters import Value
 from quad_common.quantity import Quantity
 from quad_common.resources import share_directory
-from quad_common.robot_files.robot_file import load_robot
-from quad_gait.cycle.gait import load_gait
 from quad_lab.campaigns.campaign_spec import METHODS, CampaignSpec, Span, Tuning
-from quad_lab.campaigns.jobs import combinations
-from quad_lab.seeded_walks.scene import RANDOM, map_path
+from quad_lab.campaigns.spec_checks import MOST_WALKS, check_campaign
 from quad_lab.seeded_walks.walk_figures import NUMBERS
-from quad_lab.seeded_walks.walk_settings import checked_case, checked_value, walk_of
-from quad_sim.engines.registry import ENGINES
-from quad_sim.world.terrain_spec import specs_from_text
+from quad_lab.seeded_walks.walk_settings import checked_case, checked_value
 
 _WHAT = 'campaign file'
 
@@ -35,9 +30,6 @@ _SPAN_KEYS = ('from', 'to', 'steps')
 _WEIGHT = Quantity(1e-6, 1e6)
 
 _NUMBER = Quantity(-1e9, 1e9)
-
-MOST_WALKS = 1_000_000
-"""Largest number of walks of a campaign."""
 
 _MOST_CHOICES = 10_000
 
@@ -72,7 +64,7 @@ def load_campaign(name: str | Path) -> CampaignSpec:
     document = read_yaml(path, _WHAT, 'keys such as walks, fixed and vary')
     try:
         spec = _spec(document, path.stem)
-        _check_all(spec)
+        check_campaign(spec)
     except QuadError as error:
         raise FileEntryInvalid(_WHAT, path, error) from error
     return spec
@@ -210,24 +202,3 @@ def _check_once(*parts: Mapping[str, object]) -> None:
             if name in seen:
                 raise ParameterError(name, name, 'in one of fixed, vary and tune only')
             seen.add(name)
-
-
-def _check_all(spec: CampaignSpec) -> None:
-    """Check what the values name, before the first walk."""
-    cases = combinations(spec)
-    count = len(cases) * (spec.walks if spec.method == 'grid' else 1)
-    if count > MOST_WALKS:
-        raise ParameterError('walks', spec.walks, f'smaller: {count} walks, at most {MOST_WALKS}')
-    walks = [walk_of(case) for case in cases]
-    robots = {walk.settings.robot: load_robot(walk.settings.robot) for walk in walks}
-    for gait, robot in sorted({(walk.settings.gait, walk.settings.robot) for walk in walks}):
-        load_gait(gait, robots[robot])
-    settings = [walk.settings for walk in walks]
-    for name in sorted({one.map for one in settings if one.task == 'goal'} - {RANDOM}):
-        map_path(name)
-    for text in sorted({one.terrain for one in settings}):
-        specs_from_text(text)
-    for engine in sorted({one.engine for one in settings}):
-        if not ENGINES[engine].is_installed:
-            package = ENGINES[engine].package
-            raise ParameterError('engine', engine, f'installed: pip install {package}')

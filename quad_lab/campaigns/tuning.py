@@ -22,7 +22,7 @@ from quad_gait.cycle.gait import load_gait
 from quad_lab.campaigns.campaign_spec import CampaignSpec, Tuning
 from quad_lab.campaigns.jobs import combinations, seed_of
 from quad_lab.seeded_walks.gait_changes import numbers_of
-from quad_lab.seeded_walks.walk_settings import walk_of
+from quad_lab.seeded_walks.walk_settings import WalkSettings
 from quad_lab.seeded_walks.walk_task import Job, Result, key_of
 
 _STEP = 0.25
@@ -30,6 +30,9 @@ _STEP = 0.25
 
 _DIGITS = 4
 """Significant digits of a candidate's numbers."""
+
+_IDLE = 0.5
+"""Where a second coordinate begins that means nothing: the search needs two."""
 
 _MISSED, _FAILED = 10.0, 1000.0
 """What a candidate costs that misses a limit, and one that falls: more than any other."""
@@ -183,16 +186,22 @@ class Tuner:
         ]
 
     def _first(self) -> list[float]:
-        """Return where the search begins: as untuned as can be, in units of the ranges."""
+        """
+        Return where the search begins: as untuned as can be, in units of the ranges.
+
+        In one dimension cma fails where all costs are equal, and at times at a bound: beside a
+        single number it gets a coordinate that nothing depends on.
+        """
         places = []
         for name in self._names:
             span = self._tuning.spans[name]
             place = (self._before[name] - span.lower) / (span.upper - span.lower)
             places.append(min(max(place, 0.0), 1.0) if math.isfinite(place) else 0.5)
-        return places
+        return places if len(places) > 1 else [*places, _IDLE]
 
     def _numbers(self, place: Any) -> dict[str, float]:
         numbers = {}
+        # Beside a single number there is a coordinate without a name.
         for name, part in zip(self._names, np.asarray(place).tolist()):
             span = self._tuning.spans[name]
             value = float(f'{span.lower + part * (span.upper - span.lower):.{_DIGITS}g}')
@@ -222,8 +231,11 @@ class Tuner:
 
 def _derived(cases: list[dict[str, Any]], names: list[str]) -> dict[str, float]:
     """Return the numbers untuned, where all cases have the same one; nan elsewhere."""
-    settings = [walk_of(case).settings for case in cases]
-    pairs = {(one.robot, one.gait) for one in settings}
+    default = WalkSettings()
+    pairs = {
+        (str(case.get('robot', default.robot)), str(case.get('gait', default.gait)))
+        for case in cases
+    }
     known = []
     for robot, gait in sorted(pairs):
         own = numbers_of(load_gait(gait, load_robot(robot)))

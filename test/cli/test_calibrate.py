@@ -76,6 +76,21 @@ def test_a_motion_that_is_none_or_not_finite_is_refused(text):
         _motion(text)
 
 
+@pytest.mark.parametrize('text', ['4e-7,0,0', '7e-4,-7e-4,0', '0,9.9e-4,0.09deg', '0,0,-1e-3'])
+def test_a_motion_too_small_to_be_kept_is_refused(text):
+    with pytest.raises(ParameterError, match=r'at least 1 mm far, or a turn of at least 0\.1 deg'):
+        _motion(text)
+
+
+@pytest.mark.parametrize('text', ['1e-3,0,0', '-8e-4,8e-4,0', '4e-7,0,0.1deg', '0,0,-0.1deg'])
+def test_the_least_motions_are_written_as_they_can_be_read(tmp_path, monkeypatch, text):
+    monkeypatch.setattr('quad_cli.calibrate.calibrate_motion', fake_calibration)
+    path = tmp_path / 'slip.yaml'
+    assert main([*COMMAND, f'--motion={text}', '--output', str(path), '--json']) == 0
+    (calibration,) = load_compensation(path).calibrations
+    assert parts(calibration.wanted) == pytest.approx(parts(_motion(text)), abs=1e-6)
+
+
 def test_by_default_six_directions_at_two_speeds_within_the_limits_are_measured():
     limits = MotionLimits(CUHK, TROT)
     motions = default_motions(CUHK, TROT)

@@ -181,6 +181,8 @@ def test_plan_walks_around_what_is_high_on_a_height_map_and_draws_the_ground(tmp
         (['robot', 'urdf', '/nowhere.yaml'], "there is no robot '/nowhere.yaml'"),
         (['view', '--port', '70000'], "'--port' is 70000; it must be"),
         (['view', '--robots', '9'], "'--robots' is 9; it must be"),
+        (['demo', '--robots', ''], "'--robots' is ''; it must be 2 to 16 names"),
+        (['demo', '--robots', 'none'], "'--robots' is 'none'; it must be 2 to 16 names"),
         (['view', '--start', '60,1,0'], 'the start (60.00, 1.00) m is outside'),
         (['view', '--gait', 'gallop'], 'gallop'),
     ],

@@ -96,6 +96,18 @@ def test_a_damaged_file_is_named(tmp_path):
         ResultStore(tmp_path)
 
 
+def test_a_campaign_goes_on_as_is_said_when_a_cut_file_is_moved_away(tmp_path):
+    run_campaign(GRID, ResultStore(tmp_path / 'results'), ShuffledPool())
+    path = sorted((tmp_path / 'results').glob('*.parquet'))[0]
+    path.write_bytes(path.read_bytes()[:-100])
+    said = 'once it is moved out of the folder the campaign goes on, and walks its walks again'
+    with pytest.raises(FileUnusable, match=said):
+        ResultStore(tmp_path / 'results')
+    path.rename(tmp_path / path.name)
+    outcome = run_campaign(GRID, ResultStore(tmp_path / 'results'), ShuffledPool())
+    assert (len(outcome.results), outcome.walked) == (len(jobs_of(GRID)), 1)
+
+
 def test_lost_walks_are_told_and_left_out(tmp_path):
     lost = jobs_of(GRID)[3]
     pool = ShuffledPool(lost_seeds={lost.seed})

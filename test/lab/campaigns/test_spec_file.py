@@ -1,8 +1,10 @@
 """A campaign file says what it means, and each fault of one has its own sentence."""
 
+import time
+
 import pytest
 
-from quad_common.errors import QuadError
+from quad_common.errors import QuadError, TooManyWalks
 from quad_lab.campaigns.campaign_spec import Span
 from quad_lab.campaigns.spec_file import load_campaign, shipped_campaigns
 
@@ -88,6 +90,12 @@ FAULTS = {
     'vary: {friction: {from: 0.4, to: 0.8, steps: 3}}\nmethod: random': 'left out of a campaign',
     'vary: {robot: [cuhk]}\nfixed: {robot: cuhk}': 'in one of fixed, vary and tune only',
     'vary: {friction: {from: 0.4, to: 0.8, steps: 9999}}\nwalks: 1000': 'at most 1000000',
+    'vary: {robot: [cuhk, nobody]}\nmethod: random': 'nobody',
+    'vary: {robot: [cuhk, genibo], gait: [trot, moonwalk]}': 'moonwalk',
+    'vary: {task: [steer, goal], map: [room, atlantis]}': "'map' is 'atlantis'",
+    'vary: {terrain: [flat, lava]}': "'terrain' is 'lava'",
+    'vary: {shortest: [0.5, 1.0, 3.0], longest: [4.0, 2.0]}': 'below longest, 2',
+    'vary: {longest: {from: 0.2, to: 1.0}}\nmethod: random': 'below longest, 0.2',
     'tune: {objective: {tilt_rms: 1}}': "'tune.numbers' is {}",
     'tune: {numbers: {friction: {from: 0.4, to: 0.8}}}': "'tune.objective' is {}",
     'tune: {numbers: {friction: {from: 0.4, to: 0.8}}, objective: {grace: 1}}': "'tune.objective'",
@@ -109,3 +117,45 @@ def test_a_fault_has_its_sentence(tmp_path, text):
 def test_where_there_is_no_such_campaign_those_that_ship_are_named():
     with pytest.raises(QuadError, match='reliability'):
         load_campaign('no_such_campaign')
+
+
+STEPS = '{from: 0.1, to: 0.9, steps: 100}'
+
+
+def values(count):
+    return str([round(0.1 + 1e-4 * index, 6) for index in range(count)])
+
+
+def varied(values):
+    names = 'friction', 'position_noise', 'heading_noise', 'joint_noise'
+    return '\n'.join(['vary:', *(f'  {name}: {given}' for name, given in zip(names, values))])
+
+
+def test_too_large_a_grid_is_refused_without_listing_it(tmp_path):
+    began = time.monotonic()
+    with pytest.raises(QuadError, match='2000000 walks; at most 1000000 are') as raised:
+        load(tmp_path, varied([STEPS, STEPS, STEPS, '[0.1, 0.2]']))
+    assert time.monotonic() - began < 3.0
+    problem = raised.value.problem
+    assert isinstance(problem, TooManyWalks)
+    assert (problem.combinations, problem.walks, problem.most) == (2 * 10**6, 1, 10**6)
+
+
+@pytest.mark.parametrize('walks', [1, 10**6])
+def test_a_campaign_at_random_has_the_walks_that_it_says_however_many_values(tmp_path, walks):
+    text = varied([values(101), values(100), values(100)])
+    began = time.monotonic()
+    assert load(tmp_path, f'method: random\nwalks: {walks}\n{text}').walks == walks
+    assert time.monotonic() - began < 3.0
+
+
+def test_the_largest_grid_is_checked_soon(tmp_path):
+    began = time.monotonic()
+    assert len(load(tmp_path, varied([STEPS] * 3)).vary) == 3
+    assert time.monotonic() - began < 3.0
+    with pytest.raises(QuadError, match='1000000 combinations of what varies, 2 walks of each'):
+        load(tmp_path, f'walks: 2\n{varied([STEPS] * 3)}')
+
+
+def test_a_map_counts_for_nothing_where_there_is_no_walk_to_a_goal(tmp_path):
+    assert load(tmp_path, 'fixed: {task: steer, map: atlantis}').walks == 1
