@@ -71,6 +71,8 @@ from quad_common.errors.maps import MapOriginInvalid as MapOriginInvalid
 from quad_common.errors.maps import MapSizesDisagree as MapSizesDisagree
 from quad_common.errors.maps import MapTooLarge as MapTooLarge
 from quad_common.errors.maps import MapValueOutOfRange as MapValueOutOfRange
+from quad_common.errors.messages import ClockDisbelieved as ClockDisbelieved
+from quad_common.errors.messages import ClockLeapt as ClockLeapt
 from quad_common.errors.messages import InvalidMessage as InvalidMessage
 from quad_common.errors.messages import InvalidTransform as InvalidTransform
 from quad_common.errors.messages import RobotLeftOut as RobotLeftOut

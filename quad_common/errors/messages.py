@@ -58,3 +58,37 @@ class RobotLeftOut(QuadError):
             f'robot {quoted(self.name)} is ignored: {self.most} other robots are tracked already, '
             'which is the limit'
         )
+
+
+@dataclass(eq=False, repr=False)
+class ClockLeapt(QuadError):
+    """A clock that is followed went back, or far forward at once."""
+
+    before: float
+    """Time that it told before [s]."""
+    after: float
+    """Time that it told next [s]."""
+
+    def sentence(self) -> str:
+        """Say how far, and what becomes of a recording."""
+        span = f'by {abs(self.after - self.before):.6g} s, from {self.before:.6g} s'
+        if self.after < self.before:
+            return f'the clock went back {span}; the recording goes on'
+        return f'the clock leapt forward {span}, and so does the recording'
+
+
+@dataclass(eq=False, repr=False)
+class ClockDisbelieved(QuadError):
+    """A clock fits neither the one before it nor the next one."""
+
+    before: float
+    """Time that was told before [s]."""
+    told: float
+    """Time that is not believed [s]."""
+
+    def sentence(self) -> str:
+        """Say which times do not fit."""
+        return (
+            f'a clock of {self.told:.6g} s after one of {self.before:.6g} s is not believed: the '
+            'next one does not come from there; does anybody else publish clock?'
+        )
