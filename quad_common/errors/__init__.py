@@ -36,6 +36,7 @@ from quad_common.errors.entities import ResourceStringGiven as ResourceStringGiv
 from quad_common.errors.entities import RobotIsAlone as RobotIsAlone
 from quad_common.errors.files import FileEntryInvalid as FileEntryInvalid
 from quad_common.errors.files import FileUnusable as FileUnusable
+from quad_common.errors.files import FilmTooLong as FilmTooLong
 from quad_common.errors.gaits import CannotFollow as CannotFollow
 from quad_common.errors.gaits import CyclePeriodsDiffer as CyclePeriodsDiffer
 from quad_common.errors.gaits import EmergencyStopOn as EmergencyStopOn
