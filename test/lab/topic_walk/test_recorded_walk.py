@@ -7,10 +7,12 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
+import struct
 import subprocess
 import sys
 
 import pytest
+import yaml
 
 pytest.importorskip('rosbags')
 pytest.importorskip('nav_msgs')
@@ -27,6 +29,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.ros.pose_conversions import pose_message, time_from_seconds
 from quad_lab.recordings.recorded_topics import GOAL, ODOMETRY
+from quad_lab.recordings.recording_reader import RecordingUnusable, open_recording
 from quad_lab.recordings.robot_recording import RobotRecording
 from quad_lab.topic_walk.recorded_walk import read_walks
 from quad_lab.topic_walk.walk import WalkOptions, walk
@@ -147,6 +150,20 @@ def metadata_of_another_kind(folder):
     (folder / 'metadata.yaml').write_text('rosbag2_bagfile_information: 3')
 
 
+def deep_metadata(folder):
+    (folder / 'metadata.yaml').write_text('[' * 1000)
+
+
+def endless_record(folder):
+    """Let the first record of the summary be longer than an index can be."""
+    path = next(folder.glob('*.mcap'))
+    data = bytearray(path.read_bytes())
+    # The footer: its kind, its length, where the summary begins.
+    (summary,) = struct.unpack_from('<Q', data, len(data) - 8 - 20)
+    data[summary + 1 : summary + 9] = b'\xff' * 8
+    path.write_bytes(bytes(data))
+
+
 @pytest.mark.parametrize(
     'damage',
     [
@@ -156,6 +173,8 @@ def metadata_of_another_kind(folder):
         overwritten,
         other_metadata,
         metadata_of_another_kind,
+        deep_metadata,
+        endless_record,
         lambda folder: None,
     ],
 )
@@ -167,3 +186,42 @@ def test_what_is_no_recording_of_a_walk_is_said(tmp_path, damage):
     with pytest.raises(QuadError) as caught:
         read_walks(folder)
     assert '\n' not in str(caught.value)
+
+
+def test_what_is_done_with_messages_is_not_said_of_the_recording(tmp_path):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        take_odometry(recording, 1.0, 0.0)
+
+    def read():
+        with open_recording(tmp_path / 'bag') as messages:
+            raise LookupError(f'{len(list(messages))} messages')
+
+    with pytest.raises(LookupError, match='messages'):
+        read()
+
+
+def test_too_little_memory_is_said_of_the_recording(tmp_path, monkeypatch):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        take_odometry(recording, 1.0, 0.0)
+
+    def messages(reader, connections):
+        raise MemoryError
+
+    monkeypatch.setattr(Reader, 'messages', messages)
+    with pytest.raises(RecordingUnusable, match='damaged, or more than the memory holds'):
+        read_walks(tmp_path / 'bag')
+
+
+def test_a_bag_of_hundreds_of_topics_is_read(tmp_path):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        recording.take(GOAL, serialize_message(PoseStamped(pose=pose_message(Pose2D(0, 0, 0)))))
+    path = tmp_path / 'bag' / 'metadata.yaml'
+    document = yaml.safe_load(path.read_text())
+    topics = document['rosbag2_bagfile_information']['topics_with_message_count']
+    topics += [json.loads(json.dumps(topics[0])) for _ in range(500)]
+    for number, topic in enumerate(topics[-500:]):
+        topic['message_count'] = 0
+        topic['topic_metadata']['name'] = f'/other/{number}'
+    path.write_text(yaml.safe_dump(document))
+    (walked,) = read_walks(tmp_path / 'bag').walks
+    assert walked.poses == []
