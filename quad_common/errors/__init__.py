@@ -76,6 +76,7 @@ from quad_common.errors.messages import ClockDisbelieved as ClockDisbelieved
 from quad_common.errors.messages import ClockLeapt as ClockLeapt
 from quad_common.errors.messages import InvalidMessage as InvalidMessage
 from quad_common.errors.messages import InvalidTransform as InvalidTransform
+from quad_common.errors.messages import MessagesLeftOut as MessagesLeftOut
 from quad_common.errors.messages import RobotLeftOut as RobotLeftOut
 from quad_common.errors.parameters import ArgumentNotText as ArgumentNotText
 from quad_common.errors.parameters import MatrixSizeWrong as MatrixSizeWrong

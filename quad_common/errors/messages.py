@@ -92,3 +92,23 @@ class ClockDisbelieved(QuadError):
             f'a clock of {self.told:.6g} s after one of {self.before:.6g} s is not believed: the '
             'next one does not come from there; does anybody else publish clock?'
         )
+
+
+@dataclass(eq=False, repr=False)
+class MessagesLeftOut(QuadError):
+    """Messages of a recording's topic cannot be used."""
+
+    topic: str
+    """Name of the topic, relative to the robot's namespace."""
+    count: int
+    """Number of them."""
+    first: float
+    """Time of the first one, from the beginning of the recording on [s]."""
+    problem: QuadError
+    """What is wrong with that one."""
+
+    def sentence(self) -> str:
+        """Say how many there are, and what is wrong with the first."""
+        many = 'a message' if self.count == 1 else f'{self.count} messages'
+        said = f'{many} of {self.topic} left out, the first at {self.first:.3f} s'
+        return f'{said}: {self.problem}'

@@ -7,6 +7,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
+import math
 import struct
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import yaml
 pytest.importorskip('rosbags')
 pytest.importorskip('nav_msgs')
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
@@ -28,11 +30,14 @@ from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.ros.pose_conversions import pose_message, time_from_seconds
-from quad_lab.recordings.recorded_topics import GOAL, ODOMETRY
+from quad_lab.recordings.recorded_topics import GOAL, ODOMETRY, RECORDED
+from quad_lab.recordings.recording import Recording
 from quad_lab.recordings.recording_reader import RecordingUnusable, open_recording
 from quad_lab.recordings.robot_recording import RobotRecording
 from quad_lab.topic_walk.recorded_walk import read_walks
 from quad_lab.topic_walk.walk import WalkOptions, walk
+
+DIAGNOSTICS = next(topic for topic in RECORDED if topic.name == 'diagnostics')
 
 
 @pytest.fixture(scope='module')
@@ -225,3 +230,48 @@ def test_a_bag_of_hundreds_of_topics_is_read(tmp_path):
     path.write_text(yaml.safe_dump(document))
     (walked,) = read_walks(tmp_path / 'bag').walks
     assert walked.poses == []
+
+
+@pytest.fixture
+def with_bad_messages(tmp_path):
+    """A walk of which some odometry, a goal and diagnostics cannot be used."""
+    with Recording(tmp_path / 'bag') as recording:
+        goal = PoseStamped(pose=pose_message(Pose2D(1.0, 0.0, 0.0)))
+        recording.write(GOAL, serialize_message(goal), 10.0)
+        for k in range(11):
+            message = Odometry(child_frame_id='base_link')
+            message.header.stamp = time_from_seconds(11.0 + k)
+            message.pose.pose = pose_message(Pose2D(0.1 * k, 0.0, 0.0))
+            if k in (2, 5):
+                message.pose.pose.position.x = math.nan
+            recording.write(ODOMETRY, serialize_message(message), 11.0 + k)
+        goal.pose.position.x = math.inf
+        recording.write(GOAL, serialize_message(goal), 22.0)
+        status = DiagnosticStatus(name='sim_node')
+        status.values = [KeyValue(key='late_trajectories', value='many')]
+        recording.write(DIAGNOSTICS, serialize_message(DiagnosticArray(status=[status])), 23.0)
+    return tmp_path / 'bag'
+
+
+def test_messages_that_cannot_be_used_are_left_out_and_told(with_bad_messages):
+    read = read_walks(with_bad_messages)
+    (walked,) = read.walks
+    assert walked.result().position_error == pytest.approx(0.0)
+    assert len(walked.poses) == 9
+    told = {left.topic: (left.count, left.first) for left in read.left_out}
+    assert told == {
+        'odom': (2, pytest.approx(3.0)),
+        'goal_pose': (1, pytest.approx(12.0)),
+        'diagnostics': (1, pytest.approx(13.0)),
+    }
+    sentences = {left.topic: str(left) for left in read.left_out}
+    assert sentences['odom'].startswith('2 messages of odom left out, the first at 3.000 s: ')
+    assert 'position is (nan' in sentences['odom']
+
+
+def test_the_command_tells_what_is_left_out(with_bad_messages, capsys):
+    assert main(['evaluate', str(with_bad_messages), '--json']) == 1
+    counts = json.loads(capsys.readouterr().out)['messages_left_out']
+    assert counts == {'odom': 2, 'goal_pose': 1, 'diagnostics': 1}
+    assert main(['evaluate', str(with_bad_messages)]) == 1
+    assert '2 messages of odom left out' in capsys.readouterr().out
