@@ -40,8 +40,15 @@ def run(arguments: argparse.Namespace) -> int:
     place = str(recorded.facts.get('map') or Path(folder).name)
     summaries = [{'map': place, **walk.result().as_dict()} for walk in recorded.walks]
     if arguments.json:
-        print(json.dumps({'recording': str(folder), 'walks': summaries}))
+        left_out = {left.topic: left.count for left in recorded.left_out}
+        print(
+            json.dumps(
+                {'recording': str(folder), 'walks': summaries, 'messages_left_out': left_out}
+            )
+        )
     else:
         for summary in summaries:
             print_walk(Console(), summary)
+        for left in recorded.left_out:
+            Console().print(str(left), highlight=False, markup=False)
     return 0 if all(summary['arrived'] for summary in summaries) else 1

@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
 
 from quad_cli.arguments import folder_argument, namespace_argument, quantity_argument
+from quad_common.errors import QuadError
 from quad_common.process.end_signals import Interrupted
 from quad_common.quantity import Quantity
 
@@ -58,16 +60,25 @@ def _record(arguments: argparse.Namespace) -> int:
     console = Console()
     with Recorder(arguments.output, arguments.namespace, arguments.everything) as recorder:
         console.print(f'recording to {arguments.output}; Ctrl-C ends', highlight=False)
-        counts = recorder.recording.counts
+        counts, said = recorder.recording.counts, 0
         end = None if arguments.duration is None else time.monotonic() + arguments.duration
         try:
             with console.status('') as status:
                 while end is None or time.monotonic() < end:
                     recorder.listen(_LOOK_PERIOD)
                     status.update(f'{sum(counts.values())} messages of {len(counts)} topics')
+                    said = _say(console, recorder.recording.remarks, said)
         except Interrupted:
             # That is how it ends.
             pass
+    _say(console, recorder.recording.remarks, said)
     for name, count in sorted(counts.items()):
         console.print(f'  {name:28} {count}', highlight=False)
     return 0
+
+
+def _say(console: Console, remarks: Sequence[QuadError], said: int) -> int:
+    """Print what was not said yet; return how many have been said."""
+    for remark in remarks[said:]:
+        console.print(str(remark), highlight=False, markup=False)
+    return len(remarks)

@@ -36,6 +36,7 @@ from quad_common.errors.entities import ResourceStringGiven as ResourceStringGiv
 from quad_common.errors.entities import RobotIsAlone as RobotIsAlone
 from quad_common.errors.files import FileEntryInvalid as FileEntryInvalid
 from quad_common.errors.files import FileUnusable as FileUnusable
+from quad_common.errors.files import FilmTooLong as FilmTooLong
 from quad_common.errors.gaits import CannotFollow as CannotFollow
 from quad_common.errors.gaits import CyclePeriodsDiffer as CyclePeriodsDiffer
 from quad_common.errors.gaits import EmergencyStopOn as EmergencyStopOn
@@ -71,8 +72,11 @@ from quad_common.errors.maps import MapOriginInvalid as MapOriginInvalid
 from quad_common.errors.maps import MapSizesDisagree as MapSizesDisagree
 from quad_common.errors.maps import MapTooLarge as MapTooLarge
 from quad_common.errors.maps import MapValueOutOfRange as MapValueOutOfRange
+from quad_common.errors.messages import ClockDisbelieved as ClockDisbelieved
+from quad_common.errors.messages import ClockLeapt as ClockLeapt
 from quad_common.errors.messages import InvalidMessage as InvalidMessage
 from quad_common.errors.messages import InvalidTransform as InvalidTransform
+from quad_common.errors.messages import MessagesLeftOut as MessagesLeftOut
 from quad_common.errors.messages import RobotLeftOut as RobotLeftOut
 from quad_common.errors.parameters import ArgumentNotText as ArgumentNotText
 from quad_common.errors.parameters import MatrixSizeWrong as MatrixSizeWrong

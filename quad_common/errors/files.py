@@ -52,3 +52,22 @@ class FileEntryInvalid(QuadError):
     def sentence(self) -> str:
         """Say what is wrong with the entry, and in which file."""
         return f'{self.what} {self.path}: {self.problem}'
+
+
+@dataclass(eq=False, repr=False)
+class FilmTooLong(QuadError):
+    """A film would have more pictures than one may have."""
+
+    span: float
+    """Recorded time that it would show [s]."""
+    pictures: int
+    """Number of pictures that it would have."""
+    most: int
+    """Number that a film of its kind and size may have."""
+
+    def sentence(self) -> str:
+        """Say how long it would be, and what makes it shorter."""
+        return (
+            f'the film would show {self.span:.6g} s of the recording in {self.pictures} pictures; '
+            f'{self.most} are the most: choose a part by --first and --last, or a higher --speed'
+        )

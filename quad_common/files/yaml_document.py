@@ -27,7 +27,8 @@ LARGEST_DEPTH = 20
 """Largest depth of mappings and lists in one another; shipped files have 4."""
 
 MOST_VALUES = 4_000
-"""Keys, values, mappings and lists of a file, counted as often as aliases repeat them."""
+"""Keys, values, mappings and lists of a file, counted as often as aliases repeat them; of files
+that programs write there may be more."""
 
 _TAG = 'tag:yaml.org,2002:'
 _TAGS = tuple(f'{_TAG}{kind}' for kind in ('null', 'bool', 'int', 'float', 'str', 'seq', 'map'))
@@ -41,7 +42,13 @@ _LONGEST_KEY = 100
 """Characters of the longest key that is told of."""
 
 
-def read_yaml(path: Path, what: str, example: str, limit: int = LARGEST_TEXT) -> dict[str, Any]:
+def read_yaml(
+    path: Path,
+    what: str,
+    example: str,
+    limit: int = LARGEST_TEXT,
+    most_values: int = MOST_VALUES,
+) -> dict[str, Any]:
     """
     Read a YAML file that holds keys.
 
@@ -55,6 +62,8 @@ def read_yaml(path: Path, what: str, example: str, limit: int = LARGEST_TEXT) ->
         What it must hold, as the end of the sentence "it must hold ...".
     limit : int
         Largest size [bytes].
+    most_values : int
+        Largest number of keys, values, mappings and lists.
 
     Returns
     -------
@@ -68,7 +77,7 @@ def read_yaml(path: Path, what: str, example: str, limit: int = LARGEST_TEXT) ->
     """
     text = read_text(path, what, limit)
     try:
-        document = _loaded(text)
+        document = _loaded(text, most_values)
     except yaml.MarkedYAMLError as error:
         raise FileUnusable(what, path, f'is not YAML: {_place(error)}') from error
     except (yaml.YAMLError, ValueError, LookupError, TypeError) as error:
@@ -132,7 +141,7 @@ def in_file(
     return kind(what, path, error)
 
 
-def _loaded(text: str) -> Any:
+def _loaded(text: str, most_values: int) -> Any:
     """
     Load a document.
 
@@ -141,8 +150,15 @@ def _loaded(text: str) -> Any:
     """
     if _QUICK_LOADER is not None:
         with contextlib.suppress(yaml.YAMLError, ValueError, LookupError, TypeError):
-            return yaml.load(text, Loader=_QUICK_LOADER)
-    return yaml.load(text, Loader=_BoundedLoader)
+            return _document(_QUICK_LOADER(text, most_values))
+    return _document(_BoundedLoader(text, most_values))
+
+
+def _document(loader: Any) -> Any:
+    try:
+        return loader.get_single_data()
+    finally:
+        loader.dispose()
 
 
 class _Bounds:
@@ -158,8 +174,9 @@ class _Bounds:
         for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
     }
 
-    def begin(self) -> None:
-        """Count from nothing."""
+    def begin(self, most_values: int) -> None:
+        """Count from nothing up to a number of keys and values."""
+        self._most_values = most_values
         self._depth = 0
         self._count = 0
         self._counts: dict[int, int] = {}
@@ -182,9 +199,9 @@ class _Bounds:
         else:
             self._count += 1
             self._counts[id(node)] = self._count - before
-        if self._count > MOST_VALUES:
+        if self._count > self._most_values:
             raise _beyond(
-                f'it holds more than {MOST_VALUES} keys and values, aliases written out, '
+                f'it holds more than {self._most_values} keys and values, aliases written out, '
                 'which is the limit',
                 event,
             )
@@ -228,9 +245,9 @@ _Bounds.yaml_constructors[f'{_TAG}int'] = _Bounds.construct_yaml_int
 class _BoundedLoader(_Bounds, yaml.SafeLoader):
     """PyYAML's safe loader within the bounds."""
 
-    def __init__(self, stream: str) -> None:
+    def __init__(self, stream: str, most_values: int) -> None:
         yaml.SafeLoader.__init__(self, stream)
-        self.begin()
+        self.begin(most_values)
 
 
 def _quick_loader() -> Any:
@@ -242,11 +259,11 @@ def _quick_loader() -> Any:
     class QuickLoader(_Bounds, Composer, parser, SafeConstructor, Resolver):  # type: ignore[misc]
         """Composes in Python, where the bounds are, what libyaml parses."""
 
-        def __init__(self, stream: str) -> None:
+        def __init__(self, stream: str, most_values: int) -> None:
             parser.__init__(self, stream)
             for part in (Composer, SafeConstructor, Resolver):
                 part.__init__(self)
-            self.begin()
+            self.begin(most_values)
 
     return QuickLoader
 

@@ -225,6 +225,6 @@ def _say(console: Console, one: PushedWalk) -> None:
     console.print(
         f'{one.robot} {one.map_name} {one.turning}: {end}, {off:.0f} mm and {turned:.1f} deg off, '
         f'pushed after {", ".join(f"{at:.1f}" for at in one.push_times)} of '
-        f'{result.walking_time:.1f} s, {result.late_trajectories} late',
+        f'{result.walking_time or 0.0:.1f} s, {result.late_trajectories} late',
         highlight=False,
     )

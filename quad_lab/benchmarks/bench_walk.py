@@ -200,7 +200,7 @@ def _plan_length(planner: Planner[InflatedMap], start: Pose2D, goal: Pose2D) -> 
 
 def _bars(results: list[WalkResult], bare: float, records: list[WalkRecord]) -> list[Criterion]:
     wall = sum(result.wall_time for result in results)
-    simulated = sum(result.walking_time for result in results)
+    simulated = sum(result.walking_time or 0.0 for result in results)
     factor = simulated / wall if wall > 0.0 else None
     physics = sum(record.seconds_in_physics for record in records)
     publishing = sum(record.seconds_publishing for record in records)
@@ -250,7 +250,7 @@ def _least_margin(results: list[WalkResult]) -> float | None:
 
 def _speed(results: list[WalkResult]) -> float | None:
     length = sum(result.path_length or 0.0 for result in results)
-    duration = sum(result.walking_time for result in results)
+    duration = sum(result.walking_time or 0.0 for result in results)
     return length / duration if duration > 0.0 else None
 
 
@@ -258,7 +258,7 @@ def _say(console: Console, number: int, count: int, name: str, result: WalkResul
     outcome = 'arrived' if result.arrived else f'did not arrive: {result.problem}'
     console.print(
         f'{number}/{count} {name}: {outcome}, {result.path_length or 0.0:.1f} m in '
-        f'{result.walking_time:.0f} s simulated, {result.wall_time:.0f} s on the wall clock',
+        f'{result.walking_time or 0.0:.0f} s simulated, {result.wall_time:.0f} s on the wall clock',
         highlight=False,
     )
 
@@ -289,7 +289,7 @@ def _print_walks(console: Console, walks: list[tuple[str, WalkRecord, WalkResult
             'yes' if r.arrived else 'NO',
             f'{r.path_length or 0.0:.1f}',
             str(r.turning_points),
-            f'{r.walking_time:.0f}',
+            f'{r.walking_time or 0.0:.0f}',
             *('-' if n is None else f'{n:.3f}' for n in numbers),
             r.contacts or 'none',
             f'{r.real_time_factor or 0.0:.1f}',

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from sensor_msgs.msg import JointState
 
-from quad_common.errors import MissingOptionalDependency, NotSimulated
+from quad_common.errors import FilmTooLong, MissingOptionalDependency, NotSimulated
 from quad_common.files.bounded_file import check_target
 from quad_common.files.whole_file import whole_file
 from quad_common.process.end_signals import shielded
@@ -53,6 +53,12 @@ _SLOWLY = 1.0
 
 _WALLS = 1.2
 """Height of walls, in heights of the hips: they hide nothing that stands behind."""
+
+MOST_PICTURES = 100_000
+"""Of a film: more than an hour of it."""
+
+_MOST_BYTES = 2**33
+"""Of the pictures of a GIF, all of which are in memory until it is written."""
 
 _CUT_OFF = 'the encoder ended before the film did; is the disk full?'
 
@@ -106,16 +112,22 @@ def make_film(
 
     Raises
     ------
+    FilmTooLong
+        If it would have too many pictures.
     NotSimulated
         If the engine draws no pictures.
     MissingOptionalDependency
         If nothing here encodes MP4.
     """
     check_target(path, 'film')
-    scene = _FilmedRobot(messages, robot, backend)
+    is_gif = path.suffix.lower() == '.gif'
     begin = min(messages.start + options.first, messages.end)
     end = min(messages.end, messages.start + options.last)
     count = 1 + int((end - begin) * options.rate / options.speed)
+    most = min(MOST_PICTURES, _MOST_BYTES // math.prod(options.size)) if is_gif else MOST_PICTURES
+    if count > most:
+        raise FilmTooLong(end - begin, count, most)
+    scene = _FilmedRobot(messages, robot, backend)
 
     def pictures() -> Iterator[Picture]:
         for number in range(count):
@@ -125,7 +137,7 @@ def make_film(
 
     try:
         with whole_file(path, 'film') as beside:
-            write = _write_gif if path.suffix.lower() == '.gif' else _write_mp4
+            write = _write_gif if is_gif else _write_mp4
             write(beside, pictures(), options)
     finally:
         scene.close()

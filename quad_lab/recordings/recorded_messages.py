@@ -4,8 +4,9 @@ A recording in the place of a robot: hands on what was received up to any time.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -88,13 +89,17 @@ class RecordedMessages:
             Why messages could not be used.
         """
         problems: list[QuadError] = []
-        while self.time < time or (self.time == time == self.start):
-            self.time = min(self.time + _STEP, time)
+        while (following := min(self._following(), default=math.inf)) <= time:
+            # Of years without a message nothing is to be handed on.
+            self.time = min(max(self.time + _STEP, following), time)
             for topic in self._taken:
                 problems += topic.hand_on(self.time)
-            if self.time >= time:
-                break
+        self.time = max(self.time, time)
         return problems
+
+    def _following(self) -> Iterator[float]:
+        """Return when the next message of each topic came up [s]."""
+        return (topic.following for topic in self._taken if topic.following is not None)
 
     def _subscribe(
         self, topic: str, callback: Callable[[Any], None], kind: Any, is_sampled: bool
@@ -119,6 +124,11 @@ class _Topic:
         self._callback, self._kind = callback, kind
         self._is_sampled = is_sampled
         self.next = 0
+
+    @property
+    def following(self) -> float | None:
+        """Time of the message that is handed on next [s]; None after the last one."""
+        return self._times[self.next] if self.next < len(self._times) else None
 
     def hand_on(self, time: float) -> list[QuadError]:
         """Hand on what came up to a time [s]; return why messages could not be used."""

@@ -8,11 +8,12 @@ import contextlib
 import struct
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
-from quad_common.errors import InvalidMessage
+from quad_common.errors import InvalidMessage, QuadError
+from quad_lab.recordings.recorded_time import RecordedTime
 from quad_lab.recordings.recorded_topics import (
     CLOCK,
     CORRECTIONS,
@@ -35,9 +36,6 @@ _CLOCK = struct.Struct('<iI')
 
 MOST_KEPT = 2**26
 """Bytes of messages that are kept in memory where writing them must wait."""
-
-_INSTANT = 1e-6
-"""Time between two messages that are received at the same simulated time [s]."""
 
 _SHARED = (SHARED_TRANSFORMS, SHARED_FIXED_TRANSFORMS)
 
@@ -83,11 +81,10 @@ class RobotRecording:
     ) -> None:
         self._recording = Recording(folder, namespace)
         self._is_simulated = is_simulated
-        self._time: float | None = None if is_simulated else 0.0
+        self._time = RecordedTime(is_confirmed=is_simulated)
         self._waiting: list[_Taken] = []
         self._kept: deque[_Taken] = deque()
         self._kept_bytes, self._most_kept = 0, most_kept
-        self._last = 0.0
         self._transforms = RobotTransforms(others)
         self._early: list[bytes] = []
         self._first_odometry: tuple[bytes, float] | None = None
@@ -103,6 +100,11 @@ class RobotRecording:
         """Number of messages by full names of topics."""
         return self._recording.counts
 
+    @property
+    def remarks(self) -> Sequence[QuadError]:
+        """What was odd about the clock, in the order of time."""
+        return self._time.remarks
+
     def __enter__(self) -> RobotRecording:
         self._recording.__enter__()
         return self
@@ -115,7 +117,6 @@ class RobotRecording:
     ) -> None:
         self._write_kept(0)
         for taken in self._waiting:
-            self._time = 0.0
             self._write(*taken)
         if self._first_odometry is not None and not self._is_corrected:
             odometry, received = self._first_odometry
@@ -141,8 +142,10 @@ class RobotRecording:
         topic, data, _ = taken
         if topic is CLOCK and self._is_simulated and len(data) >= 4 + _CLOCK.size:
             seconds, nanoseconds = _CLOCK.unpack_from(data, 4)
-            self._time = seconds + 1e-9 * nanoseconds
-        if self._time is None:
+            # What no stamp can be is no time.
+            if seconds >= 0 and nanoseconds < 10**9:
+                self._time.follow(seconds + 1e-9 * nanoseconds)
+        if self._is_simulated and not self._time.is_known:
             # What is latched comes before the clock does.
             self._waiting.append(taken)
             return
@@ -151,17 +154,17 @@ class RobotRecording:
             self._write(*earlier)
 
     def _write(self, topic: RecordedTopic, data: bytes, received: float) -> None:
-        now = self._time if self._is_simulated else received
-        assert now is not None
+        if not self._is_simulated:
+            self._time.follow(received)
         # Readers sort by time: what came after something else is to stay behind it.
-        self._last = max(now, self._last + _INSTANT)
+        now = self._time.next()
         if topic in _SHARED:
-            self._write_shared(topic, data)
+            self._write_shared(topic, data, now)
         else:
-            self._recording.write(topic, data, self._last)
-            self._add_transforms(topic, data, self._last)
+            self._recording.write(topic, data, now)
+            self._add_transforms(topic, data, now)
 
-    def _write_shared(self, topic: RecordedTopic, data: bytes) -> None:
+    def _write_shared(self, topic: RecordedTopic, data: bytes, now: float) -> None:
         """Record, of the transforms of many robots, those of this one."""
         prefix = self._transforms.prefix
         if prefix is None:
@@ -173,7 +176,7 @@ class RobotRecording:
             own = with_prefix(data, prefix) if prefix else None
             if own is not None:
                 self._transforms.of_others(own)
-                self._recording.write(topic, own, self._last)
+                self._recording.write(topic, own, now)
 
     def note(self, facts: Mapping[str, object]) -> None:
         """Keep facts beside the messages; see :meth:`Recording.note`."""
@@ -187,7 +190,7 @@ class RobotRecording:
             if topic is ODOMETRY:
                 self._first_odometry = self._first_odometry or (data, now)
                 self._write_transforms(self._transforms.of_odometry(data), now)
-                self._write_early()
+                self._write_early(now)
             elif topic is JOINT_STATES:
                 self._write_transforms(self._transforms.of_joints(data), now)
             elif topic is DESCRIPTION:
@@ -195,12 +198,12 @@ class RobotRecording:
             elif topic in (TRANSFORMS, FIXED_TRANSFORMS):
                 self._transforms.of_others(data)
 
-    def _write_early(self) -> None:
+    def _write_early(self, now: float) -> None:
         """Record the fixed transforms that came before the names of the robot's frames did."""
         if self._early and self._transforms.prefix is not None:
             early, self._early = self._early, []
             for data in early:
-                self._write_shared(SHARED_FIXED_TRANSFORMS, data)
+                self._write_shared(SHARED_FIXED_TRANSFORMS, data, now)
 
     def _write_transforms(self, made: list[Made], now: float) -> None:
         for topic, data in made:

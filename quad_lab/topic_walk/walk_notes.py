@@ -4,6 +4,7 @@ Takes a walk down, message by message: while it happens, or from a recording of 
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,8 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Float64
 from visualization_msgs.msg import MarkerArray
 
+from quad_common.errors import QuadError
+from quad_common.errors.base import without_frames
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.pose_conversions import (
@@ -43,10 +46,14 @@ class WalkNotes:
         """What has been noted down."""
         self.statuses: dict[str, tuple[bytes, str, dict[str, str]]] = {}
         """Level, message and values of each node, as last received on diagnostics."""
+        self.unusable: list[tuple[float, QuadError]] = []
+        """When odometry was received that cannot be used [s], and why."""
         self._odometry: bytes | None = None
-        # What came on the walk, and how many plans there were when it did.
-        self._unread: list[tuple[bytes, int]] = []
-        self._odometry_topic = 'odom/truth' if by_truth else 'odom'
+        self._known: tuple[float, Pose2D] | None = None
+        # What came on the walk, how many plans there were when it did, and when that was.
+        self._unread: list[tuple[bytes, int, float]] = []
+        self.odometry_topic = 'odom/truth' if by_truth else 'odom'
+        """Name of the topic that tells where the robot is."""
         self._has_begun = False
         self._began_at = 0.0
         self._spent_before = [0.0, 0.0]
@@ -61,7 +68,7 @@ class WalkNotes:
     @property
     def topics(self) -> tuple[str, ...]:
         """Names of the topics that tell of the walk."""
-        return (self._odometry_topic, *self._notes)
+        return (self.odometry_topic, *self._notes)
 
     @property
     def activity(self) -> Activity | None:
@@ -72,12 +79,12 @@ class WalkNotes:
     @property
     def time(self) -> float:
         """Time of the robot, as last received [s]."""
-        return 0.0 if self._odometry is None else _time_and_pose(self._odometry)[0]
+        return 0.0 if (known := self._last_known()) is None else known[0]
 
     @property
     def pose(self) -> Pose2D | None:
         """Where the robot is, as last received; None before anything was."""
-        return None if self._odometry is None else _time_and_pose(self._odometry)[1]
+        return None if (known := self._last_known()) is None else known[1]
 
     @property
     def walking_time(self) -> float:
@@ -96,26 +103,37 @@ class WalkNotes:
         observing does, and the nodes need the processors.
         """
         unread, self._unread = self._unread, []
-        for data, plan_count in unread:
-            self.record.note_pose(*_time_and_pose(data), plan_count)
+        for data, plan_count, received in unread:
+            try:
+                self.record.note_pose(*_time_and_pose(data), plan_count)
+            except QuadError as error:
+                self.unusable.append((received, without_frames(error)))
 
     def for_goal(self, goal: Pose2D) -> WalkNotes:
         """Return notes of the next walk, which knows what this one knew last."""
-        following = WalkNotes(goal, self._odometry_topic == 'odom/truth')
+        following = WalkNotes(goal, self.odometry_topic == 'odom/truth')
         following.statuses = dict(self.statuses)
-        following._odometry = self._odometry
+        following._odometry, following._known = self._odometry, self._known
         following.record.height_map = self.record.height_map
         return following
 
-    def take(self, topic: str, data: bytes) -> None:
-        """Take a message (CDR) of a topic; of others nothing is noted."""
-        if topic == self._odometry_topic:
+    def take(self, topic: str, data: bytes, received: float = 0.0) -> None:
+        """Take a message (CDR) of a topic, received at a time [s]; of others nothing is noted."""
+        if topic == self.odometry_topic:
             self._odometry = data
             if self._has_begun and not self.record.has_arrived:
-                self._unread.append((data, len(self.record.plans)))
+                self._unread.append((data, len(self.record.plans), received))
         elif topic in self._notes:
             kind, note = self._notes[topic]
             note(message_of(data, kind))
+
+    def _last_known(self) -> tuple[float, Pose2D] | None:
+        """Return time [s] and pose of the last odometry that was looked at and can be used."""
+        if self._odometry is not None:
+            with contextlib.suppress(QuadError):
+                self._known = _time_and_pose(self._odometry)
+            self._odometry = None
+        return self._known
 
     def _on_plan(self, message: Path) -> None:
         plan = plan_from_message(message)

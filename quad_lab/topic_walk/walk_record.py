@@ -16,6 +16,9 @@ from quad_common.planar_pose import Pose2D, distances_to_polyline, wrap_angle
 
 Array = NDArray[np.float64]
 
+_LATE = 1.0
+"""Time by which odometry that is older than the one before may be late [s]."""
+
 
 @dataclass
 class WalkRecord:
@@ -72,7 +75,7 @@ class WalkRecord:
 
     def result(self) -> WalkResult:
         """Work the figures out."""
-        duration = self.times[-1] - self.times[0] if self.times else 0.0
+        duration = _duration(self.times)
         last = self.poses[-1] if self.poses else None
         track = np.array([(pose.x, pose.y) for pose in self.poses]).reshape(-1, 2)
         return WalkResult(
@@ -94,7 +97,9 @@ class WalkRecord:
             fallen=self.has_fallen,
             late_trajectories=self.late_trajectories,
             wall_time=self.wall_time,
-            real_time_factor=duration / self.wall_time if self.wall_time > 0.0 else None,
+            real_time_factor=(
+                duration / self.wall_time if duration is not None and self.wall_time > 0.0 else None
+            ),
         )
 
     def _largest_path_distance(self, track: Array) -> float | None:
@@ -124,8 +129,8 @@ class WalkResult:
     """From the plan in force, of base_link [m]."""
     least_stability_margin: float | None
     """As planned [m]."""
-    walking_time: float
-    """Simulated [s]."""
+    walking_time: float | None
+    """Simulated [s]; None where the clock went back on the way."""
     path_length: float | None
     """[m]"""
     turning_points: int
@@ -145,3 +150,11 @@ class WalkResult:
     def as_dict(self) -> dict[str, object]:
         """Return the figures for JSON."""
         return asdict(self)
+
+
+def _duration(times: list[float]) -> float | None:
+    """Return how long a walk took [s]; None where the clock went back on the way."""
+    if not times:
+        return 0.0
+    duration = times[-1] - times[0]
+    return None if duration < 0.0 or np.min(np.diff(times), initial=0.0) < -_LATE else duration

@@ -25,6 +25,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import pose_message, time_from_seconds
 from quad_lab.recordings.recorded_topics import CLOCK, JOINT_STATES, ODOMETRY
+from quad_lab.recordings.recording import Recording
 from quad_lab.recordings.robot_recording import RobotRecording
 from quad_sim.engines.registry import ENGINES, engines_with, make_simulator
 
@@ -125,6 +126,19 @@ def test_what_cannot_be_filmed_is_said(folder, arguments, problem, capfd, monkey
         code = end.code
     assert code == 2
     assert problem in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(('name', 'most'), [('walk.gif', 9320), ('walk.mp4', 100000)])
+def test_a_film_of_years_is_refused(tmp_path, name, most, capfd):
+    with Recording(tmp_path / 'bag') as recording:
+        for time in (0.5, 1.7e9):
+            recording.write(ODOMETRY, serialize_message(Odometry()), time)
+    film = ['--film', str(tmp_path / name), '--robot', 'genibo']
+    assert main(['replay', str(tmp_path / 'bag'), *film]) == 2
+    said = capfd.readouterr().err
+    assert said.startswith('error: the film would show 1e+06 s of the recording in ')
+    assert f'pictures; {most} are the most: choose a part by --first and --last' in said
+    assert not (tmp_path / name).exists()
 
 
 def test_without_an_encoder_it_is_said(folder, capfd, monkeypatch):

@@ -4,6 +4,8 @@ A recording in the place of a robot: what is shown at a time is what was known t
 
 from __future__ import annotations
 
+from bisect import bisect_right
+
 import pytest
 
 pytest.importorskip('rosbags')
@@ -20,8 +22,10 @@ from std_msgs.msg import Float64
 from quad_cli.main import main
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_message, time_from_seconds
+from quad_lab.recordings import recorded_messages
 from quad_lab.recordings.recorded_messages import RecordedMessages
 from quad_lab.recordings.recorded_topics import CLOCK, GOAL, ODOMETRY, RECORDED
+from quad_lab.recordings.recording import Recording
 from quad_lab.recordings.replay import Replay
 from quad_lab.recordings.robot_recording import RobotRecording
 from quad_view.scene.page_options import PageOptions
@@ -118,6 +122,28 @@ def test_all_of_a_topic_or_the_newest(folder):
     assert len(every) == pytest.approx(50, abs=1)
     assert newest[-1] == every[-1]
     assert len(newest) == 5
+
+
+def test_years_between_two_messages_take_no_time(tmp_path, monkeypatch):
+    with Recording(tmp_path / 'bag') as recording:
+        for time in (0.5, 1.7e9, 1.7e9 + 0.1, 1.7e9 + 0.5):
+            recording.write(MARGIN, serialize_message(Float64(data=time)), time)
+    looks = iter(range(10))
+
+    def look(times, time):
+        next(looks)
+        return bisect_right(times, time)
+
+    monkeypatch.setattr(recorded_messages, 'bisect_right', look)
+    messages = RecordedMessages(tmp_path / 'bag')
+    every, newest = [], []
+    messages.all_of('stability_margin', lambda message: every.append(message.data), Float64)
+    messages.newest_of('stability_margin', lambda message: newest.append(message.data), Float64)
+    messages.go_on_to(messages.start + 3600.0)
+    assert messages.time == messages.start + 3600.0
+    assert every == newest == [0.5]
+    assert messages.go_on_to(messages.end) == []
+    assert every == newest == [0.5, 1.7e9, 1.7e9 + 0.1, 1.7e9 + 0.5]
 
 
 @pytest.mark.parametrize(

@@ -7,14 +7,18 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
+import math
+import struct
 import subprocess
 import sys
 
 import pytest
+import yaml
 
 pytest.importorskip('rosbags')
 pytest.importorskip('nav_msgs')
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
@@ -26,10 +30,14 @@ from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.ros.pose_conversions import pose_message, time_from_seconds
-from quad_lab.recordings.recorded_topics import GOAL, ODOMETRY
+from quad_lab.recordings.recorded_topics import GOAL, ODOMETRY, RECORDED
+from quad_lab.recordings.recording import Recording
+from quad_lab.recordings.recording_reader import RecordingUnusable, open_recording
 from quad_lab.recordings.robot_recording import RobotRecording
 from quad_lab.topic_walk.recorded_walk import read_walks
 from quad_lab.topic_walk.walk import WalkOptions, walk
+
+DIAGNOSTICS = next(topic for topic in RECORDED if topic.name == 'diagnostics')
 
 
 @pytest.fixture(scope='module')
@@ -147,6 +155,20 @@ def metadata_of_another_kind(folder):
     (folder / 'metadata.yaml').write_text('rosbag2_bagfile_information: 3')
 
 
+def deep_metadata(folder):
+    (folder / 'metadata.yaml').write_text('[' * 1000)
+
+
+def endless_record(folder):
+    """Let the first record of the summary be longer than an index can be."""
+    path = next(folder.glob('*.mcap'))
+    data = bytearray(path.read_bytes())
+    # The footer: its kind, its length, where the summary begins.
+    (summary,) = struct.unpack_from('<Q', data, len(data) - 8 - 20)
+    data[summary + 1 : summary + 9] = b'\xff' * 8
+    path.write_bytes(bytes(data))
+
+
 @pytest.mark.parametrize(
     'damage',
     [
@@ -156,6 +178,8 @@ def metadata_of_another_kind(folder):
         overwritten,
         other_metadata,
         metadata_of_another_kind,
+        deep_metadata,
+        endless_record,
         lambda folder: None,
     ],
 )
@@ -167,3 +191,87 @@ def test_what_is_no_recording_of_a_walk_is_said(tmp_path, damage):
     with pytest.raises(QuadError) as caught:
         read_walks(folder)
     assert '\n' not in str(caught.value)
+
+
+def test_what_is_done_with_messages_is_not_said_of_the_recording(tmp_path):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        take_odometry(recording, 1.0, 0.0)
+
+    def read():
+        with open_recording(tmp_path / 'bag') as messages:
+            raise LookupError(f'{len(list(messages))} messages')
+
+    with pytest.raises(LookupError, match='messages'):
+        read()
+
+
+def test_too_little_memory_is_said_of_the_recording(tmp_path, monkeypatch):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        take_odometry(recording, 1.0, 0.0)
+
+    def messages(reader, connections):
+        raise MemoryError
+
+    monkeypatch.setattr(Reader, 'messages', messages)
+    with pytest.raises(RecordingUnusable, match='damaged, or more than the memory holds'):
+        read_walks(tmp_path / 'bag')
+
+
+def test_a_bag_of_hundreds_of_topics_is_read(tmp_path):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        recording.take(GOAL, serialize_message(PoseStamped(pose=pose_message(Pose2D(0, 0, 0)))))
+    path = tmp_path / 'bag' / 'metadata.yaml'
+    document = yaml.safe_load(path.read_text())
+    topics = document['rosbag2_bagfile_information']['topics_with_message_count']
+    topics += [json.loads(json.dumps(topics[0])) for _ in range(500)]
+    for number, topic in enumerate(topics[-500:]):
+        topic['message_count'] = 0
+        topic['topic_metadata']['name'] = f'/other/{number}'
+    path.write_text(yaml.safe_dump(document))
+    (walked,) = read_walks(tmp_path / 'bag').walks
+    assert walked.poses == []
+
+
+@pytest.fixture
+def with_bad_messages(tmp_path):
+    """A walk of which some odometry, a goal and diagnostics cannot be used."""
+    with Recording(tmp_path / 'bag') as recording:
+        goal = PoseStamped(pose=pose_message(Pose2D(1.0, 0.0, 0.0)))
+        recording.write(GOAL, serialize_message(goal), 10.0)
+        for k in range(11):
+            message = Odometry(child_frame_id='base_link')
+            message.header.stamp = time_from_seconds(11.0 + k)
+            message.pose.pose = pose_message(Pose2D(0.1 * k, 0.0, 0.0))
+            if k in (2, 5):
+                message.pose.pose.position.x = math.nan
+            recording.write(ODOMETRY, serialize_message(message), 11.0 + k)
+        goal.pose.position.x = math.inf
+        recording.write(GOAL, serialize_message(goal), 22.0)
+        status = DiagnosticStatus(name='sim_node')
+        status.values = [KeyValue(key='late_trajectories', value='many')]
+        recording.write(DIAGNOSTICS, serialize_message(DiagnosticArray(status=[status])), 23.0)
+    return tmp_path / 'bag'
+
+
+def test_messages_that_cannot_be_used_are_left_out_and_told(with_bad_messages):
+    read = read_walks(with_bad_messages)
+    (walked,) = read.walks
+    assert walked.result().position_error == pytest.approx(0.0)
+    assert len(walked.poses) == 9
+    told = {left.topic: (left.count, left.first) for left in read.left_out}
+    assert told == {
+        'odom': (2, pytest.approx(3.0)),
+        'goal_pose': (1, pytest.approx(12.0)),
+        'diagnostics': (1, pytest.approx(13.0)),
+    }
+    sentences = {left.topic: str(left) for left in read.left_out}
+    assert sentences['odom'].startswith('2 messages of odom left out, the first at 3.000 s: ')
+    assert 'position is (nan' in sentences['odom']
+
+
+def test_the_command_tells_what_is_left_out(with_bad_messages, capsys):
+    assert main(['evaluate', str(with_bad_messages), '--json']) == 1
+    counts = json.loads(capsys.readouterr().out)['messages_left_out']
+    assert counts == {'odom': 2, 'goal_pose': 1, 'diagnostics': 1}
+    assert main(['evaluate', str(with_bad_messages)]) == 1
+    assert '2 messages of odom left out' in capsys.readouterr().out

@@ -111,3 +111,12 @@ def test_the_figures_are_one_json_object():
     assert told['least_stability_margin'] == 0.04
     assert told['path_length'] == pytest.approx(3.0)
     json.dumps(WalkRecord(GOAL).result().as_dict(), allow_nan=False)
+
+
+@pytest.mark.parametrize('times', [(5.0, 4.9), (1.0, 60.0, 0.0, 70.0)])
+def test_a_walk_on_which_the_clock_went_back_has_no_time(times):
+    record = WalkRecord(Pose2D(1.0, 0.0, 0.0), wall_time=10.0)
+    for time in times:
+        record.note_pose(time, Pose2D(0.0, 0.0, 0.0))
+    result = record.result()
+    assert (result.walking_time, result.real_time_factor) == (None, None)
