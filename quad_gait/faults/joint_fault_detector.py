@@ -239,13 +239,15 @@ class JointFaultDetector:
         loose = options.tracker.tolerance - options.tight_tolerance
         far = np.abs(positions - found.posture) > found.allowed - loose
         if np.count_nonzero(far) > 1 or self._on_latest_for < options.settling - 1e-9:
+            self._pull.forget()
             return None
+        speeds = (found.allowed - options.tracker.tolerance) / options.tracker.lag
+        unpulled = self._pull.update(found.posture, speeds, positions, efforts, step)
         joint = self._turning.update(found.posture, positions, efforts, step)
-        if joint < 0:
-            speeds = (found.allowed - options.tracker.tolerance) / options.tracker.lag
-            joint = self._pull.update(found.posture, speeds, positions, efforts, step)
+        joint = joint if joint >= 0 else unpulled
         if joint < 0 or self._have_stopped(joint, positions, step):
             return None
+        # One that is hardly off still bears: it is not given up at once, as one that gives way.
         self._off_from = float(positions[joint])
         return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
 

@@ -262,7 +262,7 @@ class SensorInputs:
     def _problem_of_imu(self, missing_orientation: str) -> str:
         """Say that an imu does not tell of now, and what follows from it; empty if it does."""
         options = self._options
-        problem = self._stuck.problem or self._imu_age.problem or missing_orientation
+        problem = self._imu_age.problem or self._stuck.problem or missing_orientation
         if not problem:
             return ''
         if options.odometry_has_attitude:

@@ -28,6 +28,14 @@ Array = NDArray[np.float64]
 _GATE = 16.27
 """Largest squared Mahalanobis distance: one in a thousand is farther (chi-square, 3)."""
 
+_TOLERANCE = 2.0
+"""Factor of the covariance within which pictures agree that a robot was carried: noise may be more
+than is told."""
+
+_LARGEST_SLIP, _SIGMAS = 0.3, 4.0
+"""Part of the distance by odometry, and deviations of a picture, by which a robot that was carried
+may have moved otherwise: what moves more differently is another robot."""
+
 _LARGEST_GAP = 0.5
 """Longest time between two odometries between which is interpolated [s]."""
 
@@ -100,11 +108,21 @@ class _Rival:
     """Another place where pictures in a row have had the robot."""
 
     correction: Pose2D
-    """The odometry's frame in the map's by the first of them."""
+    """The odometry's frame in the map's by them."""
     covariance: Array
-    """Covariance of the pose by it, grown since, shape (3, 3)."""
+    """Covariance of the pose by it, shape (3, 3)."""
+    first: Pose2D
+    """That by the first of them alone."""
+    since: Pose2D
+    """Pose by odometry at the first of them."""
     count: int = 1
     """Number of pictures that agree."""
+
+    def is_left_by(self, pose: Pose2D, then: Pose2D, covariance: Array) -> bool:
+        """Return whether a pose has not moved with odometry since the first of them."""
+        noise = _SIGMAS * math.sqrt(float(covariance[0, 0] + covariance[1, 1]))
+        moved = self.since.distance_to(then)
+        return pose.distance_to(self.first @ then) > _LARGEST_SLIP * moved + noise
 
 
 class PoseFusion:
@@ -198,19 +216,15 @@ class PoseFusion:
             self._begin(time, pose, then, covariance)
             return
         expected = self._correction @ then
-        off, total = _apart(pose, expected), self._covariance + covariance
-        if _is_beyond(off, total):
+        off = _apart(pose, expected)
+        if _is_beyond(off, self._covariance + covariance):
             if self._is_carried(pose, then, covariance):
                 self._begin(time, pose, then, covariance)
                 return
             raise PoseRefused(float(np.hypot(off[0], off[1])), abs(float(off[2])))
-        gain = np.linalg.solve(total.T, self._covariance.T).T
-        x, y, yaw = (gain @ off).tolist()
-        seen = Pose2D(expected.x + x, expected.y + y, wrap_angle(expected.yaw + yaw))
-        self._correction = seen @ then.inverse()
-        # Joseph's form: it stays symmetric and positive.
-        left = np.eye(3) - gain
-        self._covariance = left @ self._covariance @ left.T + gain @ covariance @ gain.T
+        self._correction, self._covariance = _corrected(
+            expected, self._covariance, pose, covariance, then
+        )
         self._rival = None
         self._corrected_at = time
 
@@ -225,12 +239,21 @@ class PoseFusion:
     def _is_carried(self, pose: Pose2D, then: Pose2D, covariance: Array) -> bool:
         """Return whether a pose that does not fit goes on with enough others before it."""
         rival = self._rival
-        if rival is None or _is_beyond(
-            _apart(pose, rival.correction @ then), rival.covariance + covariance
+        expected = None if rival is None else rival.correction @ then
+        if (
+            rival is None
+            or expected is None
+            or _is_beyond(_apart(pose, expected), _TOLERANCE * (rival.covariance + covariance))
+            or rival.is_left_by(pose, then, covariance)
         ):
-            self._rival = _Rival(pose @ then.inverse(), np.array(covariance, dtype=float))
+            there = pose @ then.inverse()
+            self._rival = _Rival(there, np.array(covariance, dtype=float), there, then)
             return False
         rival.count += 1
+        # Odometry may err by more than it is taken to: the next one is compared with all of them.
+        rival.correction, rival.covariance = _corrected(
+            expected, rival.covariance, pose, covariance, then
+        )
         return rival.count > self._options.patience
 
     def _begin(self, time: float, pose: Pose2D, then: Pose2D, covariance: Array) -> None:
@@ -283,3 +306,35 @@ def _apart(pose: Pose2D, expected: Pose2D) -> Array:
 def _is_beyond(off: Array, covariance: Array) -> bool:
     """Return whether a pose is farther off, (3,), than its covariance explains, (3, 3)."""
     return float(off @ np.linalg.solve(covariance, off)) > _GATE
+
+
+def _corrected(
+    expected: Pose2D, covariance: Array, pose: Pose2D, noise: Array, then: Pose2D
+) -> tuple[Pose2D, Array]:
+    """
+    Correct a pose by a picture's, as a Kalman filter does.
+
+    Parameters
+    ----------
+    expected : Pose2D
+        Pose of the robot without the picture.
+    covariance, noise : ndarray, shape (3, 3)
+        Covariance of that pose, and of the picture's.
+    pose : Pose2D
+        Pose by the picture.
+    then : Pose2D
+        Pose by odometry at that time.
+
+    Returns
+    -------
+    Pose2D
+        The odometry's frame in the map's.
+    ndarray, shape (3, 3)
+        Covariance of the pose.
+    """
+    gain = np.linalg.solve((covariance + noise).T, covariance.T).T
+    x, y, yaw = (gain @ _apart(pose, expected)).tolist()
+    seen = Pose2D(expected.x + x, expected.y + y, wrap_angle(expected.yaw + yaw))
+    # Joseph's form: it stays symmetric and positive.
+    left = np.eye(3) - gain
+    return seen @ then.inverse(), left @ covariance @ left.T + gain @ noise @ gain.T

@@ -27,7 +27,9 @@ class PullOptions:
     lag: float = 0.03
     """Time by which a joint that turns may be behind without a pull [s]."""
     patience: float = 0.4
-    """Time that a joint must have been off without a pull [s]."""
+    """Time that a joint must have been off without a pull, with breaks [s]."""
+    longest_break: float = 0.5
+    """Time after which a joint that was off is not any more [s]."""
     others: int = 4
     """Number of other joints that must have turned meanwhile: their trajectory is executed."""
     turned: float = 0.02
@@ -54,7 +56,7 @@ class PullCheck:
     def forget(self) -> None:
         """Know nothing against any joint."""
         self._suspect = -1
-        self._off_for = 0.0
+        self._off_for = self._break = 0.0
         self._anchors: Array | None = None
 
     def update(
@@ -86,14 +88,16 @@ class PullCheck:
             self.forget()
         off = np.abs(positions - commanded) > options.distance + options.lag * speeds
         idle = np.flatnonzero(off & gives_none)
+        self._break += step
         if len(idle) != 1:
-            if len(idle) > 1:
-                # Joints that rest together wait for their trajectory.
+            # Joints that rest together wait for their trajectory.
+            if len(idle) > 1 or self._break > options.longest_break:
                 self.forget()
             return -1
         joint = int(idle[0])
         if joint != self._suspect or self._anchors is None:
             self._suspect, self._off_for, self._anchors = joint, 0.0, positions
+        self._break = 0.0
         self._off_for += step
         if self._off_for < options.patience - 1e-9:
             return -1

@@ -62,7 +62,8 @@ class Lateness:
         least = _PROMPT_AGAIN if self.problem else _LATE
         self.problem = ''
         if self._part > least:
-            part = f'{100.0 * self._part:.0f} % of the time'
+            # Without a figure that changes: what is said anew is published at once.
+            part = f'more than {100.0 * _PROMPT_AGAIN:.0f} % of the time'
             self.problem = f'{self._readings} are older than {self._prompt:g} s for {part}'
 
 

@@ -28,6 +28,9 @@ nothing."""
 _TILTED = math.radians(3.0)
 """Tilt of a body by its odometry that is not ideally level [rad]."""
 
+_ROUNDING = 1e-6
+"""Tilt by which an attitude that is level may be off [rad]."""
+
 
 class StuckCheck:
     """Compares attitudes by an imu with one another, and with the joints."""
@@ -76,13 +79,12 @@ class StuckCheck:
         silence = time - self._since
         if silence >= _PATIENCE and self._turned > _TURNED:
             self.problem = (
-                f'the imu has told the same attitude for {silence:.1f} s while joints turned by '
-                f'{self._turned:.2f} rad'
+                f'the imu has told the same attitude for {silence:.1f} s though joints turn'
             )
         return bool(self.problem)
 
     def _is_ideal(self, odometry: Array) -> bool:
         """Return whether the body is exactly level, and odometry does not say otherwise."""
         assert self._last is not None
-        is_level = not self._last[:2].any()
+        is_level = tilt_from_quaternion(self._last) < _ROUNDING
         return is_level and tilt_from_quaternion(odometry) < _TILTED

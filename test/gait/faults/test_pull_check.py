@@ -66,3 +66,21 @@ def test_several_joints_that_are_off_wait_for_their_trajectory():
 
 def test_a_robot_whose_other_joints_rest_is_not_judged():
     assert noticed({3: 0.015}, turning=0.0)[0] == -1
+
+
+def named_after(breaks, seconds=20.0):
+    """Return when a joint is named that is off for 0.06 s, with breaks between; None if never."""
+    check, phases = PullCheck(LARGEST), np.linspace(0.0, 3.0, 12)
+    for time in np.arange(0.0, seconds, STEP):
+        commanded = 0.1 * np.sin(1.5 * time + phases)
+        measured = commanded.copy()
+        measured[5] += 0.015 if time % (0.06 + breaks) < 0.06 - 1e-9 else 0.0
+        speeds = 0.15 * np.abs(np.cos(1.5 * time + phases))
+        if check.update(commanded, speeds, measured, np.zeros(12), STEP) == 5:
+            return time
+    return None
+
+
+def test_short_breaks_do_not_clear_a_joint_and_long_ones_do():
+    assert named_after(0.2) is not None
+    assert named_after(0.6) is None

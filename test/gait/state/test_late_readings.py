@@ -35,7 +35,7 @@ def late_after(seconds=4.0, imu=None, joints=None, odometry=None, inputs=None, b
     """Let time go on; return what is said to be late at the end, and the inputs."""
     inputs = inputs or SensorInputs(load_robot('titan_viii'))
     imu, joints, odometry = imu or Stream(), joints or Stream(), odometry or Stream()
-    said = ''
+    said, every = '', set()
     for time in begin + 0.01 * np.arange(round(seconds / 0.01)):
         stamp = imu.due(time)
         if stamp is not None:
@@ -46,6 +46,9 @@ def late_after(seconds=4.0, imu=None, joints=None, odometry=None, inputs=None, b
         stamp = odometry.due(time)
         if stamp is not None:
             said = inputs.take_odometry(stamp, ORIGIN, LEVEL).late
+            every.add(said)
+    # What changes is published at once.
+    assert len(every) <= 3
     return said, inputs
 
 

@@ -74,3 +74,20 @@ def test_an_ideal_imu_is_level_to_the_last_digit_as_long_as_odometry_agrees(odom
     inputs = SensorInputs(ROBOT)
     walked(inputs, lambda time: np.array([0.0, 0.0, 0.0, 1.0]), 0.0, 10.0, odometry=odometry)
     assert bool(inputs.imu_problem) == is_stuck
+
+
+def test_an_attitude_that_is_level_but_for_rounding_is_ideal():
+    inputs = SensorInputs(ROBOT)
+    walked(inputs, lambda time: np.array([1e-17, 0.0, 0.0, 1.0]), 0.0, 10.0)
+    assert not inputs.imu_problem
+
+
+def test_an_imu_that_comes_no_more_is_silent_and_not_stuck():
+    inputs = SensorInputs(ROBOT)
+    walked(inputs, lambda time: rolled(0.1), 0.0, 0.5, swing=0.0)
+    for time in np.arange(0.5, 5.0, STEP):
+        joints = POSTURE.copy()
+        joints[1] += 0.2 * np.sin(3.0 * time)
+        inputs.take_joints(JointReadings(joints, None, None, time))
+        inputs.take_odometry(time, ORIGIN, rolled(0.01))
+    assert inputs.imu_problem.startswith('no imu for')

@@ -179,6 +179,21 @@ def test_a_robot_that_was_carried_is_found_though_it_walks_on_and_pictures_diffe
     assert fusion.pose.distance_to(carried @ odometry) < 0.05
 
 
+@pytest.mark.parametrize('period', [0.1, 1.0, 3.0, 5.0])
+def test_a_robot_is_found_again_though_its_odometry_errs_and_pictures_are_rare(period):
+    # Odometry tells a tenth too much; for 10 m there is no picture.
+    fusion, refusals, last = PoseFusion(), 0, -math.inf
+    for k in range(4000):
+        time, walked = 0.05 * k, 0.01 * k
+        fusion.add_odometry(time, Pose2D(1.1 * walked, 0.0, 0.0))
+        is_seen = time < 1.0 or (walked > 10.0 and time - last >= period - 1e-9)
+        if is_seen:
+            last = time
+            refusals += refused(fusion, time, Pose2D(walked, 0.0, 0.0))
+    assert refusals <= 8
+    assert abs(fusion.pose.x - walked) < 0.15
+
+
 @pytest.mark.parametrize('stamp', [0.5, 20.0])
 def test_a_picture_from_another_time_is_refused(stamp):
     fusion = PoseFusion()
