@@ -8,6 +8,9 @@ from dataclasses import dataclass
 
 from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
 
+_WORDS = {'free': 'does not hold', 'stuck': 'does not move', 'undriven': 'is not driven'}
+"""What is said of each kind of fault."""
+
 
 @dataclass(frozen=True)
 class JointFault:
@@ -18,7 +21,8 @@ class JointFault:
     name: str
     """Name of the joint."""
     kind: str
-    """``free``: it does not hold; ``stuck``: it does not move."""
+    """``free``: it does not hold; ``stuck``: it does not move; ``undriven``: it follows its leg,
+    and its motor gives no torque."""
     measured: float
     """Angle of the joint [rad]."""
     commanded: float
@@ -37,7 +41,7 @@ class JointFault:
 
     def __str__(self) -> str:
         """Say what is wrong, with the numbers."""
-        what = 'does not hold' if self.kind == 'free' else 'does not move'
+        what = _WORDS[self.kind]
         torque = ''
         if self.effort is not None:
             torque = ', and carries no torque' if self.is_slack else f', with {self.effort:.3g} N m'

@@ -176,9 +176,9 @@ class JointFaultDetector:
         powerless = self._hidden(found, time, positions, strictness, step)
         if powerless >= 0 and not self._have_stopped(powerless, positions, step):
             assert found is not None
-            self._off_from = self._powerless.since
             commanded = float(found.posture[powerless])
-            return self._fault(powerless, time, positions, commanded, efforts)
+            kind = self._kind(powerless, positions, self._powerless.since)
+            return self._fault(powerless, kind, time, positions, commanded, efforts)
         if found is not None and found.off.any() and not found.is_latest:
             # Where it is not sure which trajectory runs, a little off says nothing.
             found = self._tracker.explain(time, positions)
@@ -244,12 +244,12 @@ class JointFaultDetector:
         speeds = (found.allowed - options.tracker.tolerance) / options.tracker.lag
         unpulled = self._pull.update(found.posture, speeds, positions, efforts, step)
         joint = self._turning.update(found.posture, positions, efforts, step)
+        kind = 'stuck' if joint >= 0 else 'undriven'
         joint = joint if joint >= 0 else unpulled
         if joint < 0 or self._have_stopped(joint, positions, step):
             return None
         # One that is hardly off still bears: it is not given up at once, as one that gives way.
-        self._off_from = float(positions[joint])
-        return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
+        return self._fault(joint, kind, time, positions, float(found.posture[joint]), efforts)
 
     def _note_following(self, found: Explanation | None, positions: Array, step: float) -> None:
         """Count for how long the joints have followed what should run, or have not."""
@@ -330,7 +330,8 @@ class JointFaultDetector:
             patience = options.swinging_on
         if self._off_for < patience - 1e-9:
             return None
-        return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
+        kind = self._kind(joint, positions, self._off_from)
+        return self._fault(joint, kind, time, positions, float(found.posture[joint]), efforts)
 
     def _have_stopped(self, joint: int, positions: Array, step: float) -> bool:
         """Return whether it is not this joint, but a trajectory that no joint executes."""
@@ -339,16 +340,25 @@ class JointFaultDetector:
             self._count_unfollowed(positions, step)
         return has_stopped
 
+    def _kind(self, joint: int, positions: Array, off_from: float) -> str:
+        """Return which kind of fault a joint has that was at an angle when it began [rad]."""
+        return 'free' if abs(positions[joint] - off_from) > self._options.rest else 'stuck'
+
     def _fault(
-        self, joint: int, time: float, positions: Array, commanded: float, efforts: Array | None
+        self,
+        joint: int,
+        kind: str,
+        time: float,
+        positions: Array,
+        commanded: float,
+        efforts: Array | None,
     ) -> JointFault:
         options = self._options
         effort = None if efforts is None or not np.any(efforts) else float(efforts[joint])
-        moves = abs(positions[joint] - self._off_from) > options.rest
         return JointFault(
             joint,
             self._robot.joint_names[joint],
-            'free' if moves else 'stuck',
+            kind,
             float(positions[joint]),
             commanded,
             effort,

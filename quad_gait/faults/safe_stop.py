@@ -86,7 +86,7 @@ class SafeStop:
         """Whether the lame leg bears the body as well."""
         # In the air a motor needs no torque: one that does not move may hold.
         self._lands = (
-            self._options.lands_on_it and not stands and (turns_freely or fault.kind == 'stuck')
+            self._options.lands_on_it and not stands and (turns_freely or fault.kind != 'free')
         )
         # One that has not moved may be stuck, with nothing to bear: it is not given up at once.
         # Nor is one that falls to its side, slowly, or that hardly has to bear.
@@ -175,7 +175,7 @@ class SafeStop:
 
     def _hangs(self, commanded: Array) -> bool:
         """Return whether the lame foot is over the ground, though it is planned to be down."""
-        if self._fault.kind != 'stuck':
+        if self._fault.kind == 'free':
             # A leg that has given way is off its command because it bore.
             return False
         measured = commanded.copy()

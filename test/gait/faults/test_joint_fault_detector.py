@@ -177,11 +177,11 @@ def off_by(offset, joints, path, since=1.0):
     return measured
 
 
-def without_torque(joints, since=1.0):
+def without_torque(joints, since=1.0, torque=2.0):
     def efforts(time):
         given = LOADED.copy()
         if time > since:
-            given[joints] = 0.02 * 100.0
+            given[joints] = torque
         return given
 
     return efforts
@@ -204,6 +204,17 @@ def test_a_joint_that_need_not_pull_is_sound_where_it_was_sent(watch, joint):
     path = path_of(swaying())
     measured = off_by(0.02, [joint], path)
     assert watch_for(4.0, measured, watch, without_torque([joint])) is None
+
+
+@pytest.mark.parametrize('joint', JOINTS)
+def test_a_joint_that_follows_its_leg_without_torque_is_said_not_to_be_driven(joint):
+    watch = JointFaultDetector(ROBOT)
+    slowly = swaying(size=0.06)
+    watch.expect(slowly, 0.2)
+    measured = off_by(0.02, [joint], path_of(slowly))
+    fault = watch_for(4.0, measured, watch, without_torque([joint], torque=0.0))
+    assert (fault.joint, fault.kind, fault.is_slack) == (joint, 'undriven', True)
+    assert f'{fault.name} of leg {fault.name[:2]} is not driven: it is at' in str(fault)
 
 
 def test_two_joints_that_are_a_little_off_and_do_not_pull_hide_no_third_one(watch):
