@@ -48,6 +48,7 @@ EXAMPLES = """examples:
   quadwalk bench ground --quick
   quadwalk bench ground --only genibo boxes --seed 100
   quadwalk bench ground --only wrong_map wave
+  quadwalk bench ground --only topics
   quadwalk bench engines --only steps creep
   quadwalk bench localisation --quick
   quadwalk bench balance --quick

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_common.ros.stamp_order import StampOrder
+from quad_common.ros.timing.stamp_order import StampOrder
 from quad_common.status import Level, Status
 from quad_common.vision.camera import CameraModel
 from quad_common.vision.camera_file import load_camera

@@ -134,7 +134,8 @@ class RobotTopics:
         self._held = place.create_publisher(Bool, 'emergency_stop/held', _LATCHED)
         place.create_subscription(Bool, 'emergency_stop/active', self._on_emergency_stop, _LATCHED)
         if node.parameters.real_time_factor == 0.0:
-            place.create_subscription(Header, 'gait/heartbeat', self._on_gait_heartbeat, 10)
+            # The next one says more than one that is lost, and to acknowledge each takes time.
+            place.create_subscription(Header, 'gait/heartbeat', self._on_gait_heartbeat, sensor)
         place.create_service(Trigger, 'reset', self._on_reset)
         self._publish_fixed()
 

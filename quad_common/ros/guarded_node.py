@@ -5,7 +5,7 @@ A node whose callbacks cannot end it.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -21,8 +21,9 @@ from quad_common.errors import InvalidMessage, QuadError
 from quad_common.errors.quoting import clipped, quoted
 from quad_common.process.end_signals import shielded
 from quad_common.ros.callback_net import CallbackNet
-from quad_common.ros.lateness import Lateness, StreamCallback
 from quad_common.ros.pose_conversions import check_clock
+from quad_common.ros.timing.clock_reader import ClockReader
+from quad_common.ros.timing.lateness import Lateness, StreamCallback
 
 _LONGEST_WAIT = 0.1
 """Time after which an idle node checks whether it is to end [s]."""
@@ -86,6 +87,8 @@ class GuardedNode(Node):
         # rclpy's own constructor makes subscriptions and services already.
         self._net = CallbackNet(self)
         self._lateness = Lateness()
+        self._clock_reader = ClockReader()
+        self._idle: Any = None
         super().__init__(name, **kwargs)
         for service in self.services:
             # rclpy adds the one for descriptions of types behind `create_service`.
@@ -131,6 +134,9 @@ class GuardedNode(Node):
         self._lateness.look(self.call_soon)
         if drive is not None:
             wait = self._net.call('a step', partial(drive, self), lambda _: _AFTER_FAILURE)
+        if wait <= 0.0 and (self._idle is None or self._idle.done()):
+            # An executor with nothing to do sleeps, for 0.1 ms at least, however long it is given.
+            self._idle = executor.create_task(_do_nothing)
         # Callbacks are guarded; this is for what rclpy itself raises around them.
         self._net.call(
             'taking what was received',
@@ -167,13 +173,14 @@ class GuardedNode(Node):
             As rclpy's.
         """
         what = f"message on '{topic}'"
+        is_own_clock = ClockReader.is_wanted_for(msg_type, callback)
         if msg_type is Clock:
-            # rclpy's own: it raises, or keeps a time that cannot be written as a stamp.
+            # rclpy's own raises, or keeps a time that cannot be written as a stamp.
             callback = partial(_checked_first, check_clock, callback)
         if most_bytes is not None:
             callback = partial(taken_apart, msg_type, what, most_bytes, callback)
         stream = None
-        if is_stream(qos_profile):
+        if is_stream(qos_profile) and not is_own_clock:
             callback = stream = StreamCallback(callback, self._lateness)
         guarded = Guarded(self._net, f'a {what}', callback)
         raw = {} if most_bytes is None else {'raw': True}
@@ -182,7 +189,27 @@ class GuardedNode(Node):
         )
         if stream is not None:
             stream.subscription = subscription
+        if is_own_clock:
+            self._clock_reader.take(subscription)
         return subscription
+
+    def destroy_subscription(self, subscription: Any) -> bool:
+        """End a subscription; see rclpy's Node."""
+        self._clock_reader.forget(subscription)
+        was_there: bool = super().destroy_subscription(subscription)
+        return was_there
+
+    @property
+    def subscriptions(self) -> Iterator[Any]:
+        """Subscriptions that an executor calls: all but that of the node's clock."""
+        for subscription in super().subscriptions:
+            if not self._clock_reader.is_read(subscription):
+                yield subscription
+
+    def get_clock(self) -> Any:
+        """Return the node's clock, as far on as ``/clock`` has told."""
+        self._clock_reader.read()
+        return super().get_clock()
 
     def create_timer(
         self, timer_period_sec: float, callback: Callable[[], None], *args: Any, **kwargs: Any
@@ -223,6 +250,10 @@ class GuardedNode(Node):
             lambda sentence: SetParametersResult(successful=False, reason=sentence),
         )
         super().add_on_set_parameters_callback(guarded)
+
+
+def _do_nothing() -> None:
+    """Give an executor something to do."""
 
 
 def is_stream(qos: QoSProfile | int) -> bool:

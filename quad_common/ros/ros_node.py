@@ -21,9 +21,9 @@ from quad_common.lifecycle import LifeState, NotActive
 from quad_common.log_limit import LogLimit
 from quad_common.parameters import checked_parameters, parameters_of
 from quad_common.process.spare_memory import SpareMemory
-from quad_common.ros.clock_check import ClockCheck
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.node_parameters import descriptor, plain_value, real_changes
+from quad_common.ros.timing.clock_check import ClockCheck
 from quad_common.status import Level, Status
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ MOST_MODULES = 16
 
 SHELLS = {
     'ros_node', 'managed_life', 'node_parameters', 'run_node', 'map_frame_listener',
-    'transform_publisher', 'clock_check',
+    'transform_publisher', 'clock_check', 'clock_reader',
     'bullet_simulator', 'mujoco_simulator', 'mujoco_model', 'mujoco_robot', 'mujoco_scene',
     'mujoco_window', 'mujoco_world', 'bullet_world',
     'composed_nodes', 'mjcf', 'mjcf_shapes',
@@ -54,6 +54,7 @@ ROS_COMMANDS = {
     'quad_lab.recordings.robot_transforms',
     'quad_cli.output.progress',
     'quad_lab.benchmarks.bench_walk',
+    'quad_lab.benchmarks.ground.uneven_topic_walks',
     'quad_lab.benchmarks.bench_localisation',
     'quad_lab.benchmarks.viewing.bench_view',
     'quad_lab.benchmarks.viewing.walk_costs',

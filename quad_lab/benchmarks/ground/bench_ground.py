@@ -1,13 +1,14 @@
 """
 ``quadwalk bench ground``: random walks over random ground, as users ask for them.
 
-Without topics; starts, goals and ground are drawn, and the planner decides where to turn.
-Staircases and stepping stones are crossed straight on, and footsteps planned over them. The same
-walks are made by height maps that are wrong.
+Starts, goals and ground are drawn, and the planner decides where to turn; without topics, but in
+one part. Staircases and stepping stones are crossed straight on, and footsteps planned over them.
+The same walks are made by height maps that are wrong.
 """
 
 from __future__ import annotations
 
+import importlib.util
 import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -43,7 +44,10 @@ WAVE = 'wave'
 FOOTSTEPS = 'footsteps'
 """Part that plans footsteps, and walks nowhere."""
 
-PARTS = (*ROBOTS, CLIMBER, *TERRAINS, *COURSES, FOOTSTEPS, WAVE, WRONG_MAP)
+TOPICS = 'topics'
+"""Part that walks by topics, as fast as the nodes go."""
+
+PARTS = (*ROBOTS, CLIMBER, *TERRAINS, *COURSES, FOOTSTEPS, WAVE, WRONG_MAP, TOPICS)
 """Robots and terrains to which ``--only`` limits it; of what is not named all are walked."""
 
 PREFERRED_BACKEND = 'mujoco'
@@ -121,11 +125,11 @@ def measure(
     bars, details = _cross(console, quick, seed, wanted)
     robots = [robot for robot in _WALKS if robot in wanted] or list(_WALKS)
     terrains = [terrain for terrain in TERRAINS if terrain in wanted] or list(TERRAINS)
-    if WRONG_MAP in wanted and (only or not quick):
-        wrong, details[WRONG_MAP] = walk_by_wrong_maps(
-            console, quick, seed, tuple(r for r in ROBOTS if r in robots), tuple(terrains)
-        )
-        bars += wrong
+    randomly = {WRONG_MAP: walk_by_wrong_maps, TOPICS: _walk_by_topics}
+    for part in (part for part in randomly if part in wanted and (only or not quick)):
+        usual = tuple(robot for robot in ROBOTS if robot in robots)
+        more, details[part] = randomly[part](console, quick, seed, usual, tuple(terrains))
+        bars += more
     jobs = [job for gait in _gaits(set(only), quick) for job in _jobs(gait, quick, seed)]
     jobs = [job for job in jobs if job[0] in robots and job[1] in terrains]
     missing = [robot for robot in robots if not _is_there(robot, console)] if jobs else []
@@ -144,10 +148,23 @@ def measure(
     return bars, {**details, 'walks': [asdict(walk) for walk in walks]}
 
 
+def _walk_by_topics(
+    console: Console, quick: bool, seed: int, robots: tuple[str, ...], terrains: tuple[str, ...]
+) -> tuple[list[Criterion], list[dict[str, Any]]]:
+    """Walk by topics where ROS is installed."""
+    if importlib.util.find_spec('rclpy') is None:
+        console.print('by topics: rclpy is not installed')
+        return [at_least('by topics: arrived', None, '', 1)], []
+    # The other walks need no ROS.
+    from quad_lab.benchmarks.ground.uneven_topic_walks import walk_by_topics
+
+    return walk_by_topics(console, quick, seed, robots, terrains)
+
+
 def _gaits(named: set[str], quick: bool) -> list[str]:
     """Return the gaits of the random walks, by the parts that are named."""
-    others = named & {*COURSES, FOOTSTEPS, WAVE, WRONG_MAP}
-    crawls = not others or (named & set(TERRAINS) and not others & {WAVE, WRONG_MAP})
+    others = named & {*COURSES, FOOTSTEPS, WAVE, WRONG_MAP, TOPICS}
+    crawls = not others or (named & set(TERRAINS) and not others & {WAVE, WRONG_MAP, TOPICS})
     waves = WAVE in named or not (named or quick)
     return [_USUAL] * bool(crawls) + [WAVE] * waves
 

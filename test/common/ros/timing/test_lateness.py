@@ -7,7 +7,7 @@ pytest.importorskip('rclpy')
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
 from quad_common.ros.guarded_node import is_stream
-from quad_common.ros.lateness import Lateness, StreamCallback
+from quad_common.ros.timing.lateness import Lateness, StreamCallback
 
 
 class Queue:

@@ -3,7 +3,7 @@
 import pytest
 
 from quad_common.errors import InvalidMessage
-from quad_common.ros.stamp_order import StampOrder
+from quad_common.ros.timing.stamp_order import StampOrder
 
 
 def taken(order, stamps):
