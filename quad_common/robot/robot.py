@@ -60,6 +60,12 @@ class Robot(JointedRobot):
         return float(self.foot_radius - np.mean(self.neutral_feet[:, 2]))
 
     @cached_property
+    def center_height(self) -> float:
+        """Height of the center of mass over the ground in the initial posture [m]."""
+        center = self.center_of_mass(self.initial_joint_angles)
+        return float(center[2] + self.standing_height)
+
+    @cached_property
     def stance_reach(self) -> float:
         """Horizontal distance from hip point to foot in the initial posture, L0 [m]."""
         return float(np.linalg.norm(self.neutral_feet[0, :2] - self.legs[0].hip[:2]))

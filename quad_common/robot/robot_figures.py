@@ -25,9 +25,7 @@ def derived_figures(robot: Robot) -> dict[str, float]:
         'step_height_mm': round(1e3 * robot.step_height, 2),
         'mesh_size_mm': round(1e3 * robot.mesh_size, 2),
         'footprint_radius_mm': round(1e3 * robot.footprint_radius, 2),
-        'center_of_mass_height_mm': round(
-            1e3 * (robot.standing_height + float(robot.center_of_mass(angles)[2])), 2
-        ),
+        'center_of_mass_height_mm': round(1e3 * robot.center_height, 2),
         'own_parts_clearance_mm': round(1e3 * nearest.clearance, 2),
         'kinematics_error_mm': round(1e3 * float(np.abs(feet - robot.neutral_feet).max()), 9),
     }

@@ -220,9 +220,8 @@ def _check_posture(robot: Robot, path: Path) -> None:
         robot.check_joint_limits(posture)
     except JointLimitExceeded as error:
         raise InitialPostureOutOfRange(path, error) from error
-    height = float(robot.center_of_mass(posture)[2]) + robot.standing_height
-    if not height > 0.0:
-        raise CenterOfMassBelowGround(path, height)
+    if not robot.center_height > 0.0:
+        raise CenterOfMassBelowGround(path, robot.center_height)
 
 
 def _joints(number: RobotNumbers, kinds: tuple[str, ...], path: Path) -> LegJoints:

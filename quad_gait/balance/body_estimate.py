@@ -104,8 +104,7 @@ class BodyEstimator:
         self._options = options
         self._least_load = options.least_load * robot.mass * GRAVITY
         self._touching = options.touching_load * robot.mass * GRAVITY
-        center = robot.center_of_mass(robot.initial_joint_angles)
-        height = float(center[2] + robot.standing_height)
+        height = robot.center_height
         unit = math.sqrt(GRAVITY * height)
         self._slip, self._fastest = options.slip_fraction * unit, options.fastest * unit
         self._slope = SlopeEstimator(

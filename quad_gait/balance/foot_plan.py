@@ -93,12 +93,11 @@ class FootPlanner:
 
     def __init__(self, robot: Robot, gait: Gait, options: BalanceOptions) -> None:
         self._touching_phase = options.touching_phase
-        center = robot.center_of_mass(robot.initial_joint_angles)
-        self.height = float(center[2] + robot.standing_height)
+        self.height = robot.center_height
         """Height of the center of mass [m]."""
         self.capture_time = options.capture_gain * pendulum_time(self.height)
         """Length of the capture step over the error of the velocity [s]."""
-        self._center = center
+        self._center = robot.center_of_mass(robot.initial_joint_angles)
         self._radius = robot.foot_radius
         self._neutral: Array = np.array(robot.neutral_feet)
         self._rolling = np.array(rolling_factors(robot))

@@ -178,8 +178,8 @@ class Gait:
         if height is None:
             height = self.swing_height * robot.relative_size
         if not self.is_static:
-            center = robot.center_of_mass(robot.initial_joint_angles)[2] + robot.standing_height
-            fitted = replace(fitted, pendulum_rate=math.sqrt(_GRAVITY / float(center)))
+            rate = math.sqrt(_GRAVITY / robot.center_height)
+            fitted = replace(fitted, pendulum_rate=rate)
         return replace(fitted, swing_height=height)
 
 

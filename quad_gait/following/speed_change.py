@@ -173,7 +173,7 @@ def lowered_feet(motion: BodyMotion, robot: Robot, gait: Gait) -> float:
     float
         Of the foot that is farthest from its line [m]; 0 if never just two feet stand.
     """
-    height = float(robot.center_of_mass(robot.initial_joint_angles)[2] + robot.standing_height)
+    height = robot.center_height
     shift, feet = np.array([motion.forward, motion.left]), robot.neutral_feet[:, :2]
     most = 0.0
     for standing in _pairs(gait):

@@ -24,7 +24,7 @@ from quad_common.rotations import tilt_from_quaternion
 from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_gait.state.measurement import ImuMotion, Measurement
 from quad_gait.state.readings.possible_steps import TURN_SPEED, attitude_step, joint_step, pose_step
-from quad_gait.state.readings.reading_age import ReadingAge, SensorAges
+from quad_gait.state.readings.reading_age import ReadingAge, SensorAges, prompt_age
 from quad_gait.state.readings.series_check import SeriesCheck, Taken
 from quad_gait.state.readings.stuck_check import StuckCheck
 
@@ -96,9 +96,10 @@ class SensorInputs:
         self._imu_motion: ImuMotion | None = None
         # Where odometry has no attitude nothing else would tell that the body falls.
         patience = math.inf if self._options.odometry_has_attitude else _FIRST_IMU
+        prompt = prompt_age(robot)
         self._ages = SensorAges(
-            ReadingAge('joint states', 'joint states', timeouts[0]),
-            ReadingAge('imu', "the imu's readings", timeouts[1], patience),
+            ReadingAge('joint states', 'joint states', timeouts[0], prompt),
+            ReadingAge('imu', "the imu's readings", timeouts[1], prompt, patience),
         )
         self._joints_age, self._imu_age = self._ages.joints, self._ages.imu
         self._stuck = StuckCheck()

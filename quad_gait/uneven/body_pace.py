@@ -71,8 +71,7 @@ class BodyPace:
         self._radius, self._center = robot.footprint_radius, CenterOfMass(robot)
         self._least = options.shift_time
         self._speed = robot.relative_size * options.shift_speed
-        center = robot.center_of_mass(robot.initial_joint_angles)
-        height = float(center[2]) + robot.standing_height
+        height = robot.center_height
         width = float((robot.neutral_feet[::2, 1] - robot.neutral_feet[1::2, 1]).min())
         # The square of the least time of a motion, over its distance [s^2/m].
         self._sway = _PEAK * height / (GRAVITY * _SWAY * width)

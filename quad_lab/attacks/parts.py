@@ -22,6 +22,7 @@ PARTS = {
     'execution': 'quad_lab.attacks.walks.execution_attack.attack_execution',
     'silence': 'quad_lab.attacks.walks.silence.attack_by_silence',
     'pauses': 'quad_lab.attacks.walks.pauses.attack_by_pauses',
+    'sensors': 'quad_lab.attacks.walks.sensor_attack.attack_by_sensors',
     'late': 'quad_lab.attacks.walks.late_trajectories.attack_by_lateness',
     'files': 'quad_lab.attacks.files.file_attack.measure_files',
     'watch': 'quad_lab.attacks.walks.busy_machine.attack_by_load',

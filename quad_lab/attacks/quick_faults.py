@@ -43,6 +43,7 @@ _ALONE = (
     'silence',
     'pauses',
     'late',
+    'sensors',
     'gate',
     'execution',
 )

@@ -87,8 +87,7 @@ class BalanceCase:
 
 def push_unit(robot: Robot) -> float:
     """Return the velocity sqrt(g h) by which pushes of a robot are measured [m/s]."""
-    center = robot.center_of_mass(robot.initial_joint_angles)
-    return math.sqrt(GRAVITY * float(center[2] + robot.standing_height))
+    return math.sqrt(GRAVITY * robot.center_height)
 
 
 def trotting_robot(name: str, period: float | None) -> Robot:

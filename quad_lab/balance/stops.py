@@ -17,9 +17,8 @@ from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
 from quad_lab.balance.balance_case import LATENCY, push_unit, trotting_robot
 from quad_lab.closed_loop.balance_loop import BalanceLoop
-from quad_lab.closed_loop.closed_loop import Place
+from quad_lab.closed_loop.closed_loop import true_place
 from quad_lab.closed_loop.controllers import controller_for
-from quad_sim.engines.simulator import Observation
 
 _AHEAD, _ASIDE = 2.0, 1.0
 """Length of the way to the corner, and from it to the goal, in units of sqrt(g h) times 1 s."""
@@ -68,7 +67,7 @@ def stopped_walk(name: str, period: float | None, seed: int = 0) -> StoppedWalk:
     options = SupervisorOptions(least_margin=0.005, balance=BalanceOptions())
     controller = controller_for(robot, load_gait('trot', robot), options)
     loop = BalanceLoop(robot, controller, LATENCY, seed=seed)
-    loop.locate = _true_place
+    loop.locate = true_place
     unit = push_unit(robot)
     corner = Pose2D(_AHEAD * unit, 0.0, math.pi / 2.0)
     goal = Pose2D(corner.x, _ASIDE * unit, math.pi / 2.0)
@@ -91,7 +90,3 @@ def stopped_walk(name: str, period: float | None, seed: int = 0) -> StoppedWalk:
         )
     finally:
         loop.close()
-
-
-def _true_place(seen: Observation) -> Place:
-    return seen.pose, seen.pose

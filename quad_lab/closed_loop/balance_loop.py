@@ -115,18 +115,20 @@ class BalanceLoop(ClosedLoop):
     def decide(self, seen: Observation) -> None:
         """Tell the controller of an observation and of the imu, and send what it decides."""
         if self.has_imu:
-            noise, rng = self._noise, self._rng
-            rates = seen.angular_velocity_base_in_base + noise.rate * rng.normal(size=3)
-            force = seen.specific_force_in_base + noise.force * rng.normal(size=3)
-            # A small turn about each axis is half of it in the quaternion.
-            attitude = seen.orientation + 0.5 * noise.attitude * rng.normal(size=4)
-            attitude /= np.linalg.norm(attitude)
-            # A body that turns over is not believed for a moment.
-            with contextlib.suppress(InvalidMessage):
-                self._estimator.take_imu(
-                    seen.time, attitude, float(rates[2]), ImuMotion(rates, force)
-                )
+            self._take_imu(seen)
         super().decide(seen)
+
+    def _take_imu(self, seen: Observation) -> None:
+        """Tell what the imu measures."""
+        noise, rng = self._noise, self._rng
+        rates = seen.angular_velocity_base_in_base + noise.rate * rng.normal(size=3)
+        force = seen.specific_force_in_base + noise.force * rng.normal(size=3)
+        # A small turn about each axis is half of it in the quaternion.
+        attitude = seen.orientation + 0.5 * noise.attitude * rng.normal(size=4)
+        attitude /= np.linalg.norm(attitude)
+        # A body that turns over is not believed for a moment.
+        with contextlib.suppress(InvalidMessage):
+            self._estimator.take_imu(seen.time, attitude, float(rates[2]), ImuMotion(rates, force))
 
     def _readings(self, seen: Observation) -> JointReadings:
         noise, rng = self._noise, self._rng

@@ -107,7 +107,7 @@ class ClosedLoop:
         self._since_measured = 0
         self.on_observation: list[Callable[[Observation], None]] = []
         """Called with each observation, before the controller is told of it."""
-        self.locate: Callable[[Observation], Place | None] = _true_place
+        self.locate: Callable[[Observation], Place | None] = true_place
         """Returns where the robot takes itself to be; None while it does not know."""
 
     @property
@@ -225,6 +225,7 @@ class ClosedLoop:
         self._simulation.close()
 
 
-def _true_place(seen: Observation) -> Place:
+def true_place(seen: Observation) -> Place:
+    """Return where the robot really is, as odometry without an error has it."""
     pose = seen.pose
     return pose, pose

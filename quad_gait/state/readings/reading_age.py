@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+from quad_common.robot.leg_moments import GRAVITY
+from quad_common.robot.robot import Robot
 from quad_gait.state.readings.series_check import LONGEST_GAP
 
 LEAST_MISSED = 4
@@ -20,14 +22,22 @@ come, that make them missing: after a pause of the machine odometry may be the f
 
 
 _PROMPT, _OFTEN = 0.06, 0.03
-"""Age of a reading by which a robot can keep its balance [s]: of a sensor; of odometry, whose
-readings are what it decides at."""
+"""Age of a reading by which a robot can keep its balance [s]: of a sensor, at most; of odometry,
+whose readings are what it decides at."""
+
+_TIPPING = 0.4
+"""The same of a sensor, as a fraction of the time constant with which a robot tips."""
 
 _MEMORY = 0.5
 """Time over which it is averaged for how much of it readings were older [s]."""
 
 _LATE, _PROMPT_AGAIN = 0.2, 0.05
 """Part of the time from which on they are late, and below which they are not any more."""
+
+
+def prompt_age(robot: Robot) -> float:
+    """Return the age of a sensor's reading by which a robot can keep its balance [s]."""
+    return min(_PROMPT, _TIPPING * math.sqrt(robot.center_height / GRAVITY))
 
 
 class Lateness:
@@ -42,7 +52,7 @@ class Lateness:
         Age up to which they are not late [s].
     """
 
-    def __init__(self, readings: str, prompt: float = _PROMPT) -> None:
+    def __init__(self, readings: str, prompt: float) -> None:
         self._readings = readings
         self._prompt = prompt
         self._time = math.inf
@@ -64,7 +74,7 @@ class Lateness:
         if self._part > least:
             # Without a figure that changes: what is said anew is published at once.
             part = f'more than {100.0 * _PROMPT_AGAIN:.0f} % of the time'
-            self.problem = f'{self._readings} are older than {self._prompt:g} s for {part}'
+            self.problem = f'{self._readings} are older than {self._prompt:.2g} s for {part}'
 
 
 class ReadingAge:
@@ -79,13 +89,20 @@ class ReadingAge:
         The readings, several of them, for the sentence.
     timeout : float
         Age at which readings are old [s].
+    prompt : float
+        Age up to which the balance can be kept by them [s].
     patience : float
         Time from the first odometry on in which the first reading is to come [s]; one that never
         comes is not missed if not given.
     """
 
     def __init__(
-        self, what: str, readings: str, timeout: float, patience: float = math.inf
+        self,
+        what: str,
+        readings: str,
+        timeout: float,
+        prompt: float,
+        patience: float = math.inf,
     ) -> None:
         self._what = what
         self._readings = readings
@@ -96,13 +113,15 @@ class ReadingAge:
         self._stamp: float | None = None
         # When the last reading was measured or, if no odometry is as late as that, came.
         self._since: float | None = None
+        # The same of the one that was the last when odometry came before.
+        self._before: float | None = None
         # When odometry came next after it.
         self._came = -math.inf
         self._is_new = False
         self._missed = self._old = 0
         self.problem = ''
         """What is wrong with the readings, as a sentence; empty if nothing is."""
-        self.lateness = Lateness(readings)
+        self.lateness = Lateness(readings, prompt)
         """Whether they come too late, or too seldom, to keep the balance by."""
 
     def take(self, stamp: float | None) -> None:
@@ -121,7 +140,10 @@ class ReadingAge:
             self._since = time if self._since is None else min(self._since, time)
             self._came = time
             self._is_new = False
-        self.lateness.update(time, None if self._since is None else time - self._since)
+        # Just before the last one came, the one before it was as old as it was going to be.
+        oldest = self._since if self._before is None else self._before
+        self.lateness.update(time, None if oldest is None else time - oldest)
+        self._before = self._since
         self._missed += 1
         age = 0.0 if self._stamp is None else time - self._stamp
         self._old = self._old + 1 if age > self._timeout else 0

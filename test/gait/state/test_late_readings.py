@@ -31,7 +31,9 @@ class Stream:
         return stamp
 
 
-def late_after(seconds=4.0, imu=None, joints=None, odometry=None, inputs=None, begin=0.0):
+def late_after(
+    seconds=4.0, imu=None, joints=None, odometry=None, inputs=None, begin=0.0, posture=POSTURE
+):
     """Let time go on; return what is said to be late at the end, and the inputs."""
     inputs = inputs or SensorInputs(load_robot('titan_viii'))
     imu, joints, odometry = imu or Stream(), joints or Stream(), odometry or Stream()
@@ -42,7 +44,7 @@ def late_after(seconds=4.0, imu=None, joints=None, odometry=None, inputs=None, b
             inputs.take_imu(stamp, LEVEL, 0.0, MOTION)
         stamp = joints.due(time)
         if stamp is not None:
-            inputs.take_joints(JointReadings(POSTURE, STILL, None, stamp))
+            inputs.take_joints(JointReadings(posture, STILL, None, stamp))
         stamp = odometry.due(time)
         if stamp is not None:
             said = inputs.take_odometry(stamp, ORIGIN, LEVEL).late
@@ -87,3 +89,22 @@ def test_a_single_gap_does_not_count():
     for name in ('imu', 'joints', 'odometry'):
         gap = Stream(gaps=lambda time: 3.8 < time < 3.9)
         assert not late_after(**{name: gap})[0]
+
+
+@pytest.mark.parametrize('period', [0.08, 0.1])
+@pytest.mark.parametrize('name', ['imu', 'joints'])
+def test_readings_that_come_with_the_odometry_are_old_before_the_next_ones(name, period):
+    # At the odometry they are never as old as just before the next one.
+    seldom = {name: Stream(period), 'odometry': Stream(0.02)}
+    assert 'are older than 0.06 s' in late_after(**seldom)[0]
+
+
+@pytest.mark.parametrize('name', ['imu', 'joints'])
+def test_a_robot_that_tips_faster_needs_newer_readings(name):
+    # With readings every 0.06 s cuhk's trot tilts by 30 degrees; TITAN-VIII's does not.
+    for robot, is_late in (('cuhk', True), ('titan_viii', False)):
+        loaded = load_robot(robot)
+        posture, inputs = loaded.initial_joint_angles.reshape(-1), SensorInputs(loaded)
+        said = late_after(**{name: Stream(0.06)}, inputs=inputs, posture=posture)[0]
+        assert bool(said) == is_late
+        assert not said or 'older than 0.038 s' in said
