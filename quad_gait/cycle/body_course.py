@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.planar_pose import Twist2D
+from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import CycleEnds
 from quad_gait.cycle.footholds import Footholds
@@ -172,21 +173,24 @@ def _sway(gait: Gait, legs: NDArray[np.intp], motion: BodyMotion, footholds: Foo
     support triangle, weighted by mu (S4 eq. 4), and back to its arc at the end. The legs
     are those that swing, one after the other, shape (..., 4).
     """
-    shape = (*legs.shape, 2)
-    feet = np.broadcast_to(footholds.start[..., :2], shape).copy()
-    target = np.broadcast_to(footholds.target[..., :2], shape)
-    course = np.zeros((*legs.shape[:-1], 6, 2))
+    orders = legs.reshape(-1, len(LEGS))
+    rows, shape = np.arange(len(orders)), (len(orders), len(LEGS), 2)
+    # One row for each order of the legs.
+    feet, target = (
+        np.broadcast_to(places[..., :2], (*legs.shape, 2)).reshape(shape).copy()
+        for places in footholds
+    )
+    course = np.zeros((len(orders), 6, 2))
     on_arc = motion.pose_at(mid_swing_progress(gait))
+    cosines, sines = np.cos(on_arc[:, 2]), np.sin(on_arc[:, 2])
     forward, left = gait.sway_weight
-    for k, body in enumerate(on_arc):
-        leg = legs[..., k, None]
-        triangle = np.take_along_axis(feet, _OTHERS[legs[..., k]][..., None], axis=-2)
-        off = triangle.mean(axis=-2) - body[:2]
-        cos, sin = np.cos(body[2]), np.sin(body[2])
-        ahead = forward * (cos * off[..., 0] + sin * off[..., 1])
-        aside = left * (cos * off[..., 1] - sin * off[..., 0])
-        course[..., k + 1, 0] = cos * ahead - sin * aside
-        course[..., k + 1, 1] = sin * ahead + cos * aside
-        swung = np.take_along_axis(target, leg[..., None], axis=-2)
-        np.put_along_axis(feet, leg[..., None], swung, axis=-2)
-    return np.diff(course, axis=-2)
+    for k, (body, cos, sin) in enumerate(zip(on_arc, cosines, sines)):
+        leg = orders[:, k]
+        off = feet[rows[:, None], _OTHERS[leg]].mean(axis=-2) - body[:2]
+        ahead = forward * (cos * off[:, 0] + sin * off[:, 1])
+        aside = left * (cos * off[:, 1] - sin * off[:, 0])
+        course[:, k + 1, 0] = cos * ahead - sin * aside
+        course[:, k + 1, 1] = sin * ahead + cos * aside
+        feet[rows, leg] = target[rows, leg]
+    moves = course[:, 1:] - course[:, :-1]
+    return moves.reshape(*legs.shape[:-1], *moves.shape[1:])

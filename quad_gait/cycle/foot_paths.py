@@ -98,8 +98,9 @@ def rolling_of(
     stride = max(1, (len(schedule.times) - 1) // _ROLLING_SAMPLES)
     coarse = schedule.thinned(stride)
     part = BodyCourse(course.pose[..., ::stride, :], course.velocity[..., ::stride, :])
-    rolling = None
+    speed = None
     for _ in range(_ROLLING_PASSES):
+        rolling = None if speed is None else _rolled(coarse, speed)
         arms, arm_velocities, _ = foot_paths(
             coarse, robot.standing_height, footholds, part, rolling
         )
@@ -110,7 +111,7 @@ def rolling_of(
         cos, sin = np.cos(yaw)[..., None], np.sin(yaw)[..., None]
         x, y = spin[..., 0], spin[..., 1]
         speed = radius * np.stack([sin * x + cos * y, sin * y - cos * x], axis=-1)
-        rolling = _rolled(coarse, speed)
+    assert speed is not None
     return _rolled(schedule, _interpolated(schedule.times, coarse.times, speed))
 
 
