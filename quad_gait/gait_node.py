@@ -146,11 +146,12 @@ class GaitNode(QuadNode[GaitParameters]):
         pose = pose_from_message(message.pose.pose, 'odometry')
         orientation = orientation_from_odometry(message)
         self.clock_check.take_stamp(stamp)
-        state = self._estimator.take_odometry(seconds_from_time(stamp), pose, orientation)
+        now = self._clock_time()
+        state = self._estimator.take_odometry(seconds_from_time(stamp), pose, orientation, now)
         self._diagnosis.take_odometry(state is not None)
         if state is None:
             return
-        self._time.note_odometry(state.time, self._clock_time(), time.monotonic())
+        self._time.note_odometry(state.time, now, time.monotonic())
         self._odom_frame = odom_frame
         state = state.placed(*self._map.locate(message))
         doubt = _DOUBT if frame.doubt else ''

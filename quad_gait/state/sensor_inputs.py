@@ -24,7 +24,7 @@ from quad_common.rotations import tilt_from_quaternion
 from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_gait.state.measurement import ImuMotion, Measurement
 from quad_gait.state.readings.possible_steps import TURN_SPEED, attitude_step, joint_step, pose_step
-from quad_gait.state.readings.reading_age import ReadingAge, SensorAges, prompt_age
+from quad_gait.state.readings.reading_age import PromptAges, ReadingAge, SensorAges
 from quad_gait.state.readings.series_check import SeriesCheck, Taken
 from quad_gait.state.readings.stuck_check import StuckCheck
 
@@ -96,10 +96,11 @@ class SensorInputs:
         self._imu_motion: ImuMotion | None = None
         # Where odometry has no attitude nothing else would tell that the body falls.
         patience = math.inf if self._options.odometry_has_attitude else _FIRST_IMU
-        prompt = prompt_age(robot)
+        prompt = PromptAges.of(robot)
         self._ages = SensorAges(
-            ReadingAge('joint states', 'joint states', timeouts[0], prompt),
-            ReadingAge('imu', "the imu's readings", timeouts[1], prompt, patience),
+            ReadingAge('joint states', 'joint states', timeouts[0], prompt.sensors),
+            ReadingAge('imu', "the imu's readings", timeouts[1], prompt.sensors, patience),
+            prompt,
         )
         self._joints_age, self._imu_age = self._ages.joints, self._ages.imu
         self._stuck = StuckCheck()
@@ -197,7 +198,9 @@ class SensorInputs:
         self._imu_age.take(time)
         self._is_oriented = self._is_oriented or orientation is not None
 
-    def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> Measurement | None:
+    def take_odometry(
+        self, time: float, pose: Pose2D, orientation: Array, now: float | None = None
+    ) -> Measurement | None:
         """
         Take where the body is, and put everything together.
 
@@ -209,6 +212,8 @@ class SensorInputs:
             Position and heading of base_link.
         orientation : ndarray, shape (4,)
             Unit quaternion xyzw.
+        now : float, optional
+            Now, by a clock that may differ from the one by which it is stamped [s].
 
         Returns
         -------
@@ -227,7 +232,7 @@ class SensorInputs:
         self._was_moved = False
         positions = None if self._joints is None else self._joints.positions
         is_stuck = self._stuck.advance(time, positions, orientation)
-        is_imu_recent = self._ages.advance(time) and not is_stuck
+        is_imu_recent = self._ages.advance(time, now) and not is_stuck
         self.imu_problem = self._problem_of_imu(self._missing_orientation(time))
         joints, imu = self._joints, self._imu[0] if is_imu_recent else None
         return Measurement(

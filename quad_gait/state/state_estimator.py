@@ -142,7 +142,9 @@ class StateEstimator:
         """Take what an imu says; see :meth:`SensorInputs.take_imu`."""
         self._inputs.take_imu(time, orientation, yaw_rate, motion)
 
-    def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> RobotState | None:
+    def take_odometry(
+        self, time: float, pose: Pose2D, orientation: Array, now: float | None = None
+    ) -> RobotState | None:
         """
         Take where the body is, and put everything together.
 
@@ -154,6 +156,8 @@ class StateEstimator:
             Position and heading of base_link in odometry's frame.
         orientation : ndarray, shape (4,)
             Unit quaternion xyzw.
+        now : float, optional
+            Now, by a clock that may differ from the one by which it is stamped [s].
 
         Returns
         -------
@@ -165,7 +169,7 @@ class StateEstimator:
         InvalidMessage
             If the body cannot have moved like that; it is left out then.
         """
-        measurement = self._inputs.take_odometry(time, pose, orientation)
+        measurement = self._inputs.take_odometry(time, pose, orientation, now)
         if measurement is None:
             return None
         if not self._is_placed:

@@ -103,7 +103,8 @@ class StreamedLoop(BalanceLoop):
                 self._decide_at(told)
 
     def _decide_at(self, told: Observation) -> None:
-        state = self._estimator.take_odometry(told.time, told.pose, told.orientation)
+        now = self.time
+        state = self._estimator.take_odometry(told.time, told.pose, told.orientation, now)
         trajectory = None if state is None else self.controller.update(state)
         if trajectory is not None:
             self._send(trajectory)

@@ -8,6 +8,7 @@ how the robot is now.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from quad_common.robot.leg_moments import GRAVITY
 from quad_common.robot.robot import Robot
@@ -25,8 +26,14 @@ _PROMPT, _OFTEN = 0.06, 0.03
 """Age of a reading by which a robot can keep its balance [s]: of a sensor, at most; of odometry,
 whose readings are what it decides at."""
 
-_TIPPING = 0.4
-"""The same of a sensor, as a fraction of the time constant with which a robot tips."""
+_TIPPING, _TIPPING_OFTEN = 0.4, 0.25
+"""The same, as fractions of the time constant with which a robot tips."""
+
+_DRIFT = 1e-4
+"""Rate at which two clocks drift apart at most [s/s]."""
+
+_OTHER_CLOCK = 10.0
+"""Difference from the clock beyond which odometry is stamped by another one [s]."""
 
 _MEMORY = 0.5
 """Time over which it is averaged for how much of it readings were older [s]."""
@@ -35,9 +42,40 @@ _LATE, _PROMPT_AGAIN = 0.2, 0.05
 """Part of the time from which on they are late, and below which they are not any more."""
 
 
-def prompt_age(robot: Robot) -> float:
-    """Return the age of a sensor's reading by which a robot can keep its balance [s]."""
-    return min(_PROMPT, _TIPPING * math.sqrt(robot.center_height / GRAVITY))
+class PromptAges(NamedTuple):
+    """Ages of readings by which a robot can keep its balance."""
+
+    sensors: float
+    """Age of joint states, and of the imu's readings [s]."""
+    odometry: float
+    """Time from one odometry to the next [s]."""
+
+    @classmethod
+    def of(cls, robot: Robot) -> PromptAges:
+        """Return those of a robot: the faster it tips, the less."""
+        tipping = math.sqrt(robot.center_height / GRAVITY)
+        return cls(min(_PROMPT, _TIPPING * tipping), min(_OFTEN, _TIPPING_OFTEN * tipping))
+
+
+class TravelTime:
+    """
+    How much longer readings travel than the quickest of them, by a clock that may differ.
+
+    What tells of the robot may come late all together: then nothing is older than the rest.
+    """
+
+    def __init__(self) -> None:
+        self._least = math.inf
+        self._last = 0.0
+
+    def excess(self, stamp: float, now: float | None) -> float:
+        """Take the stamp of a reading, and the time by the clock [s]; return the excess [s]."""
+        if now is None or abs(now - stamp) > _OTHER_CLOCK:
+            self._least = math.inf
+            return 0.0
+        drift = _DRIFT * max(now - self._last, 0.0)
+        self._least, self._last = min(self._least + drift, now - stamp), now
+        return now - stamp - self._least
 
 
 class Lateness:
@@ -198,20 +236,38 @@ class SensorAges:
     ----------
     joints, imu : ReadingAge
         Of the two sensors.
+    prompt : PromptAges
+        Ages by which the robot can keep its balance.
     """
 
-    def __init__(self, joints: ReadingAge, imu: ReadingAge) -> None:
+    def __init__(self, joints: ReadingAge, imu: ReadingAge, prompt: PromptAges) -> None:
         self.joints = joints
         """Age of the joint states."""
         self.imu = imu
         """Age of the imu's readings."""
-        self._odometry = Lateness("odometry's readings", _OFTEN)
+        self._odometry = Lateness("odometry's readings", prompt.odometry)
+        self._travelled = Lateness("odometry's readings", prompt.sensors)
+        self._travel = TravelTime()
         self._last: float | None = None
         self.late = ''
         """That any of them come too late to keep the balance by, as a sentence; or empty."""
 
-    def advance(self, time: float) -> bool:
-        """Note that odometry of a time [s] has come; return whether the imu tells of now."""
+    def advance(self, time: float, now: float | None = None) -> bool:
+        """
+        Note that odometry has come.
+
+        Parameters
+        ----------
+        time : float
+            When it was measured [s].
+        now : float, optional
+            Now, by a clock that may differ from the one by which it is stamped [s].
+
+        Returns
+        -------
+        bool
+            Whether the imu tells of that time.
+        """
         self.joints.advance(time)
         is_imu_recent = self.imu.advance(time)
         # Before this one came the last one was as old as it was going to be; and this one is as old
@@ -219,6 +275,7 @@ class SensorAges:
         before = 0.0 if self._last is None else time - self._last
         self._odometry.update(time, max(before, self.joints.ahead, self.imu.ahead))
         self._last = time
-        each = self._odometry, self.imu.lateness, self.joints.lateness
+        self._travelled.update(time, self._travel.excess(time, now))
+        each = self._odometry, self._travelled, self.imu.lateness, self.joints.lateness
         self.late = next((one.problem for one in each if one.problem), '')
         return is_imu_recent

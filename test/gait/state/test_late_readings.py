@@ -108,3 +108,30 @@ def test_a_robot_that_tips_faster_needs_newer_readings(name):
         said = late_after(**{name: Stream(0.06)}, inputs=inputs, posture=posture)[0]
         assert bool(said) == is_late
         assert not said or 'older than 0.038 s' in said
+
+
+def travel_problem(delays, began=100.0, clock=0.0):
+    """Let odometry and sensors travel for so long, every 0.02 s; return what is late at the end."""
+    inputs, said = SensorInputs(load_robot('titan_viii')), ''
+    for number, delay in enumerate(delays):
+        stamp = began + 0.02 * number
+        inputs.take_imu(stamp, LEVEL, 0.0, MOTION)
+        inputs.take_joints(JointReadings(POSTURE, STILL, None, stamp))
+        said = inputs.take_odometry(stamp, ORIGIN, LEVEL, stamp + delay + clock).late
+    return said
+
+
+@pytest.mark.parametrize('clock', [0.0, -3.0, 2.5])
+def test_what_comes_late_all_together_is_noticed_by_the_clock_whatever_that_shows(clock):
+    sound, late = [0.01] * 100, [0.16] * 25
+    assert not travel_problem(sound, clock=clock)
+    said = travel_problem(sound + late, clock=clock)
+    assert said.startswith("odometry's readings are older than 0.06 s")
+    assert not travel_problem(sound + late + [0.01] * 150, clock=clock)
+    assert not travel_problem(sound + [0.16], clock=clock)
+
+
+def test_a_clock_that_runs_apart_or_is_another_one_tells_nothing():
+    # Two quartz clocks run apart by 50 millionths, for an hour.
+    assert not travel_problem([1e-6 * k for k in range(180_000)])
+    assert not travel_problem([0.16 * (k > 100) for k in range(125)], clock=1.7e9)
