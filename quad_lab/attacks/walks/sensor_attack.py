@@ -23,8 +23,8 @@ from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
+from quad_lab.attacks.walks.sensor_streams import SENSORS, StreamedLoop, StreamFault
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground, largest_speed
-from quad_lab.closed_loop.sensor_streams import SENSORS, StreamedLoop, StreamFault
 from quad_lab.closed_loop.terrain_walk import make_course
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool

@@ -19,7 +19,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from quad_common.errors import MapError
-from quad_common.ros.guarded_node import Guarded
+from quad_common.ros.guarded_node import Guarded, GuardedNode
 from quad_common.ros.ros_node import ERROR, OK, QuadNode
 from quad_common.ros.run_node import make_executor
 
@@ -57,8 +57,10 @@ def make(domain) -> Iterator:
 
 
 def callbacks_of(node: QuadNode) -> dict[str, object]:
-    """Return every callback that rclpy could call."""
-    found = {f'subscription {s.topic_name}': s.callback for s in node.subscriptions}
+    """Return every callback that rclpy could call, and that of the node's clock."""
+    # The node itself leaves that out: no executor calls it.
+    subscriptions = super(GuardedNode, node).subscriptions
+    found = {f'subscription {s.topic_name}': s.callback for s in subscriptions}
     found |= {f'service {s.srv_name}': s.callback for s in node.services}
     found |= {f'timer {index}': t.callback for index, t in enumerate(node.timers)}
     found |= {f'guard {index}': g.callback for index, g in enumerate(node.guards)}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from quad_lab.closed_loop.sensor_streams import SensorStream, StreamFault
+from quad_lab.attacks.walks.sensor_streams import SensorStream, StreamFault
 
 
 @dataclass(frozen=True)
