@@ -147,7 +147,10 @@ class GaitNode(QuadNode[GaitParameters]):
         orientation = orientation_from_odometry(message)
         self.clock_check.take_stamp(stamp)
         now = self._clock_time()
-        state = self._estimator.take_odometry(seconds_from_time(stamp), pose, orientation, now)
+        # Without a /clock yet simulated time is 0.
+        state = self._estimator.take_odometry(
+            seconds_from_time(stamp), pose, orientation, now or None
+        )
         self._diagnosis.take_odometry(state is not None)
         if state is None:
             return

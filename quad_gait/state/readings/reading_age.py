@@ -8,6 +8,7 @@ how the robot is now.
 from __future__ import annotations
 
 import math
+from collections import deque
 from typing import NamedTuple
 
 from quad_common.robot.leg_moments import GRAVITY
@@ -31,6 +32,9 @@ _TIPPING, _TIPPING_OFTEN = 0.4, 0.25
 
 _DRIFT = 1e-4
 """Rate at which two clocks drift apart at most [s/s]."""
+
+_STEADILY = 10
+"""Number of readings in a row that are to be as quick: a single stamp may be wrong."""
 
 _OTHER_CLOCK = 10.0
 """Difference from the clock beyond which odometry is stamped by another one [s]."""
@@ -67,15 +71,20 @@ class TravelTime:
     def __init__(self) -> None:
         self._least = math.inf
         self._last = 0.0
+        self._recent: deque[float] = deque(maxlen=_STEADILY)
 
     def excess(self, stamp: float, now: float | None) -> float:
         """Take the stamp of a reading, and the time by the clock [s]; return the excess [s]."""
         if now is None or abs(now - stamp) > _OTHER_CLOCK:
             self._least = math.inf
+            self._recent.clear()
             return 0.0
-        drift = _DRIFT * max(now - self._last, 0.0)
-        self._least, self._last = min(self._least + drift, now - stamp), now
-        return now - stamp - self._least
+        self._recent.append(now - stamp)
+        self._least += _DRIFT * max(now - self._last, 0.0)
+        self._last = now
+        if len(self._recent) == _STEADILY:
+            self._least = min(self._least, max(self._recent))
+        return max(now - stamp - self._least, 0.0)
 
 
 class Lateness:

@@ -135,3 +135,11 @@ def test_a_clock_that_runs_apart_or_is_another_one_tells_nothing():
     # Two quartz clocks run apart by 50 millionths, for an hour.
     assert not travel_problem([1e-6 * k for k in range(180_000)])
     assert not travel_problem([0.16 * (k > 100) for k in range(125)], clock=1.7e9)
+
+
+def test_a_few_readings_that_seem_to_have_come_before_they_were_sent_count_for_nothing():
+    # One whose stamp is of the future, or a clock that is not there yet.
+    sound = [0.01] * 100
+    assert not travel_problem([-5.0] + sound)
+    assert not travel_problem(sound + [-5.0] + sound)
+    assert travel_problem([-5.0] + sound + [0.16] * 25)
