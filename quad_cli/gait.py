@@ -38,7 +38,7 @@ EXAMPLES = """examples:
 """
 
 
-PACED = ('crawl', 'wave', 'trot')
+PACED = ('crawl', 'wave', 'trot', 'walk')
 """The gaits that follow a plan by straight stretches and turns on the spot."""
 
 _HEADING = (

@@ -96,7 +96,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--gait',
         default=PlannerParameters().gait,
-        help='gait whose cycles are counted: crawl, wave, trot',
+        help='gait whose cycles are counted: crawl, wave, trot, walk',
     )
     add_parameter(
         parser, PlannerParameters, 'safety_distance', 'distance kept free around the feet [m]'

@@ -32,7 +32,7 @@ class ViewerParameters:
     )
     map_frame: str = parameter('map', 'Frame of the map.')
     gaits: str = parameter(
-        'crawl, wave, crab, trot', 'Gaits to choose from, with commas between them.'
+        'crawl, wave, crab, trot, walk', 'Gaits to choose from, with commas between them.'
     )
     largest_speed: float = parameter(
         0.3,

@@ -42,6 +42,9 @@ _TROT_LIFT = (0.05, 0.12)
 _USED = (0.9, 0.8, 0.55)
 """Fractions of what legs and joints allow that a trot uses: forward, sideways, in turns."""
 
+_USED_IN_A_WALK = (0.9, 0.6, 0.5)
+"""The same of a walk."""
+
 _SWING_FRACTION = 0.46
 """Part of a trot's period in which a foot is in the air."""
 
@@ -51,6 +54,9 @@ _OF_SPEED_TO_LIFT, _OF_SPEED_AT_MOST = 0.35, 0.5
 _STATIC_SWING, _LONGEST_STATIC = 0.15, 8.0
 """Part of a static gait's period in which a foot is in the air, and its largest period over that
 of quick knees."""
+
+_WALK_PERIOD = 1.2
+"""Period of a walk over that of a trot: feet swing for a smaller part of it."""
 
 _LONGEST = 2.0
 """Largest period of a trot over that of quick knees: with a longer one bodies fall too far."""
@@ -232,7 +238,9 @@ def _gaits(robot: ImportedRobot) -> dict[str, Any]:
         'swing_height': _number(_LIFT * robot.hip_height, 'chosen: 15 % of the height of the hips'),
     }
     gaits = {name: dict(static) for name in ('crawl', 'turn', 'crab', 'wave')}
-    gaits['trot'] = _trot(robot)
+    period, lift = _quick_steps(robot)
+    gaits['trot'] = _dynamic(period, lift, _USED)
+    gaits['walk'] = _dynamic(_WALK_PERIOD * period, lift, _USED_IN_A_WALK)
     return gaits
 
 
@@ -249,8 +257,8 @@ def _speed_to_lift(robot: ImportedRobot, lift: float, duration: float) -> float:
     return math.pi * lift * robot.hip_height / duration / lever / speed
 
 
-def _trot(robot: ImportedRobot) -> dict[str, Any]:
-    """Choose period and lift of a trot: as quick as the height asks for, if the knees are."""
+def _quick_steps(robot: ImportedRobot) -> tuple[float, float]:
+    """Choose a trot's period [s] and lift [m]: as quick as the height asks for, if knees are."""
     period, (least, lift) = _TROT_PERIOD * math.sqrt(robot.hip_height), _TROT_LIFT
 
     def needed(lift: float, period: float) -> float:
@@ -258,12 +266,14 @@ def _trot(robot: ImportedRobot) -> dict[str, Any]:
 
     lift = max(least, lift * min(1.0, _OF_SPEED_TO_LIFT / needed(lift, period)))
     period *= min(_LONGEST, max(1.0, needed(lift, period) / _OF_SPEED_AT_MOST))
+    return period, lift * robot.hip_height
+
+
+def _dynamic(period: float, lift: float, used: tuple[float, float, float]) -> dict[str, Any]:
     return {
-        'largest_fractions': _number(_USED, 'chosen: faster trots fall in simulation'),
+        'largest_fractions': _number(used, 'chosen: faster ones leave their course in simulation'),
         'cycle_period': _number(period, 'chosen: grows as the root of the height, for quick knees'),
-        'swing_height': _number(
-            lift * robot.hip_height, 'chosen: so that the knees are fast enough'
-        ),
+        'swing_height': _number(lift, 'chosen: so that the knees are fast enough'),
     }
 
 

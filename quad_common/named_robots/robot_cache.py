@@ -24,7 +24,7 @@ from quad_common.named_robots.known_robots import KNOWN_ROBOTS
 DESCRIPTIONS = ('.urdf', '.xacro', '.xml', '.mjcf')
 """Suffixes of files that are imported where a robot is asked for."""
 
-_FORMAT = 20
+_FORMAT = 21
 """Number of the format of kept files: raised when an import finds more than it did."""
 
 _MOST_INCLUDED = 1000

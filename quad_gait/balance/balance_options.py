@@ -42,9 +42,9 @@ class BalanceOptions:
 
     knot_time: float = 0.02
     """Time between two knots of a trajectory, and between two decisions at least [s]."""
-    longest_period: float = 2.6
-    """Period of a cycle, at most, in units of sqrt(h / g): a body falls about two feet meanwhile,
-    and gaits that are slower are walked with this one."""
+    longest_swing: float = 1.196
+    """Time that a foot swings, at most, in units of sqrt(h / g): the body falls about the others
+    meanwhile, and gaits that are slower are walked with shorter cycles."""
     reaction_time: float = 0.02
     """Time after a measurement for which what was given out before holds: messages arrive in it,
     and the tilt is predicted over it [s]."""

@@ -34,7 +34,7 @@ class SteadyTrot:
     robot : Robot
         The robot.
     gait : Gait
-        Its trot, with the period in which it keeps its balance.
+        Its gait, with the period in which it keeps its balance.
     options : BalanceOptions
         Gains and times.
     """
@@ -112,7 +112,7 @@ class SteadyTrot:
             else:
                 high = middle
         reason = (
-            f'a steady trot that keeps its balance may use at most {100.0 * self._most:.0f} % of '
-            'the largest joint speeds; the rest is reserved for corrections'
+            f'a robot that keeps its balance may use at most {100.0 * self._most:.0f} % of the '
+            'largest joint speeds while nothing disturbs it; the rest is reserved for corrections'
         )
         return low, reason

@@ -135,7 +135,8 @@ def balanced_gait(gait: Gait, options: BalanceOptions) -> Gait:
     """Return a gait as fast as a robot that keeps its balance in it steps at least."""
     if gait.is_static:
         return gait
-    return gait.with_period(min(gait.cycle_period, options.longest_period / gait.pendulum_rate))
+    swing = gait.longest_swing * gait.pendulum_rate
+    return gait.with_period(gait.cycle_period * min(1.0, options.longest_swing / swing))
 
 
 def long_gear(limits: MotionLimits, options: BalanceOptions, motion: BodyMotion) -> Gear:

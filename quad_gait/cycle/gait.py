@@ -91,9 +91,20 @@ class Gait:
     @property
     def support_edges(self) -> tuple[float, ...]:
         """When one group of standing feet takes over from another, with both ends [s]."""
-        windows = sorted({(swing.liftoff, swing.touchdown) for swing in self.swings})
-        changes = ((before[1] + after[0]) / 2.0 for before, after in pairwise(windows))
+        # Feet that are in the air at the same time belong to one group.
+        groups: list[tuple[float, float]] = []
+        for swing in sorted(self.swings, key=lambda swing: swing.liftoff):
+            if groups and swing.liftoff < groups[-1][1]:
+                groups[-1] = (groups[-1][0], max(groups[-1][1], swing.touchdown))
+            else:
+                groups.append((swing.liftoff, swing.touchdown))
+        changes = ((before[1] + after[0]) / 2.0 for before, after in pairwise(groups))
         return (0.0, *changes, self.cycle_period)
+
+    @property
+    def longest_swing(self) -> float:
+        """Duration of the longest swing [s]."""
+        return max(swing.touchdown - swing.liftoff for swing in self.swings)
 
     @property
     def acceleration_fraction(self) -> float:

@@ -87,6 +87,10 @@ def check_gait(robot: Robot, gait: Gait, least_margin: float = 0.0) -> GaitRepor
     limits = MotionLimits(robot, gait, least_margin)
     motions: list[MotionReport] = []
     problems: list[str] = []
+    tipping = tipping_problem(robot, gait)
+    if tipping:
+        # No direction makes up for that.
+        return GaitReport((), (tipping,))
     standstill = _standstill_problem(robot, gait, least_margin)
     if standstill:
         problems.append(standstill)
@@ -116,6 +120,39 @@ def check_gait(robot: Robot, gait: Gait, least_margin: float = 0.0) -> GaitRepor
         if crossing:
             problems.append(f'{name} at {_amount(largest)} a cycle: {crossing}')
     return GaitReport(tuple(motions), tuple(problems))
+
+
+def tipping_problem(robot: Robot, gait: Gait) -> str:
+    """
+    Say why a body cannot be balanced over the feet that a dynamic gait leaves down.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        The gait, fitted to it.
+
+    Returns
+    -------
+    str
+        A sentence; empty for static gaits, where it can, and where feet do not reach at all.
+    """
+    if gait.is_static:
+        return ''
+    try:
+        beside = -generate_steady_cycle(robot, gait, BodyMotion()).least_margin
+    except GaitError:
+        return ''
+    most = -MotionLimits(robot, gait).least_margin
+    if beside <= most:
+        return ''
+    return (
+        f'stepping on the spot the center of mass is {1e3 * beside:.0f} mm beside the feet that '
+        f'stand; with more than {1e3 * most:.0f} mm the body tips over before other feet are '
+        'down: pairs of feet that stand must be diagonal, as in the trot and the walk, not those '
+        'of one side (a pace) or of one end (a bound)'
+    )
 
 
 def _standstill_problem(robot: Robot, gait: Gait, least_margin: float) -> str:

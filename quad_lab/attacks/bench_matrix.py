@@ -23,7 +23,7 @@ from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
 from quad_planner.parameters import PLANNING_METHODS
 
 ROBOTS = ('titan_viii', 'pukyong', 'cuhk', 'genibo')
-GAITS = ('crawl', 'wave', 'trot')
+GAITS = ('crawl', 'wave', 'trot', 'walk')
 TURNINGS = ('in_place', 'crab', 'arc')
 METHODS = PLANNING_METHODS
 

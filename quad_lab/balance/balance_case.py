@@ -49,7 +49,7 @@ class BalanceCase:
     robot: str
     """Name of the robot."""
     period: float | None = None
-    """Period of the trot [s]; the robot's own if None."""
+    """Period of the gait [s]; the robot's own if None."""
     speed: float = 0.5
     """Speed as a fraction of the most; 0 in place."""
     is_slippery: bool = False
@@ -64,11 +64,15 @@ class BalanceCase:
     """Whether it keeps its balance; or walks by cycles that are planned as a whole."""
     knows_ground: bool = False
     """Whether it has a height map of the ground, and goes by it where its own legs take it."""
+    gait: str = 'trot'
+    """Name of a gait with two feet down."""
 
     def __str__(self) -> str:
         """Name it."""
         speeds = {0.0: 'in place', 0.5: 'at half speed', 1.0: 'at full speed'}
         words = [self.robot]
+        if self.gait != 'trot':
+            words.append(self.gait)
         if self.period is not None:
             words.append(f'({self.period:g} s)')
         words.append(speeds.get(self.speed, f'at {self.speed:g} of the most'))
@@ -90,13 +94,13 @@ def push_unit(robot: Robot) -> float:
     return math.sqrt(GRAVITY * robot.center_height)
 
 
-def trotting_robot(name: str, period: float | None) -> Robot:
-    """Return a robot by its name, with another period of its trot [s] unless that is None."""
+def trotting_robot(name: str, period: float | None, gait: str = 'trot') -> Robot:
+    """Return a robot by its name, with another period of its gait [s] unless that is None."""
     robot = load_robot(name)
     if period is None:
         return robot
-    settings = replace(robot.gaits.get('trot', GaitSettings()), cycle_period=period)
-    return replace(robot, gaits={**robot.gaits, 'trot': settings})
+    settings = replace(robot.gaits.get(gait, GaitSettings()), cycle_period=period)
+    return replace(robot, gaits={**robot.gaits, gait: settings})
 
 
 class BalanceWalk:
@@ -119,8 +123,8 @@ class BalanceWalk:
         seed: int = 0,
         ground: Callable[[Robot], Terrain | None] | None = None,
     ) -> None:
-        robot = trotting_robot(case.robot, case.period)
-        gait = load_gait('trot', robot)
+        robot = trotting_robot(case.robot, case.period, case.gait)
+        gait = load_gait(case.gait, robot)
         options = SupervisorOptions(
             least_margin=0.005,
             twist_timeout=math.inf,

@@ -11,16 +11,16 @@ from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from typing import Any, TypeVar
 
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from quad_common.robot_files.robot_file import load_robot
 from quad_lab.balance.balance_case import BalanceCase
+from quad_lab.balance.push_levels import HARDEST, LEVELS, own_push_level, push_level
 from quad_lab.balance.pushes import Survival, survival, survivors
 from quad_lab.balance.rough_ground import BUMPS, RAMPS, SLOPES, trot_over
 from quad_lab.balance.steady import SteadyTrot, silences, steady_trot
 from quad_lab.balance.stops import stopped_walk
+from quad_lab.balance.turns import SteadyTurn, steady_turn
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
 from quad_sim.engines.registry import AUTO, preferred, resolved
@@ -28,22 +28,6 @@ from quad_sim.engines.registry import AUTO, preferred, resolved
 Result = TypeVar('Result')
 
 Bars = tuple[list[Criterion], dict[str, object]]
-
-LEVELS = {
-    ('a1', 0.447): 0.9,
-    ('a1', 0.3): 1.2,
-    ('mini_cheetah', None): 0.8,
-    ('genibo', None): 0.8,
-    ('cuhk', None): 0.8,
-    ('titan_viii', None): 1.1,
-}
-"""Impulse over m sqrt(g h) that nine of ten pushes are to survive, by robot and period [s]."""
-
-_IN_MUJOCO = 0.8
-"""Fraction of it in MuJoCo."""
-
-_HARDEST = 0.7
-"""Fraction of it with everything that makes it harder together."""
 
 _SURVIVE = 0.9
 
@@ -61,6 +45,12 @@ _BEYOND, _ODOMETRY = 0.1, 3.0
 
 _STEADY = 20.0
 """Time of a trot that nothing disturbs [s]."""
+
+_WHO_WALK = ('a1', 'mini_cheetah', 'genibo', 'cuhk', 'titan_viii')
+"""Robots that walk in place of trotting."""
+
+_TURNING = 10.0
+"""Time of a turn on the spot [s]."""
 
 _QUICK = ('a1', 0.3)
 
@@ -119,22 +109,6 @@ def measure(
     return bars, details
 
 
-def _level(robot: str, period: float | None) -> float:
-    """Return the impulse that is to be survived in the engine that runs."""
-    return LEVELS[robot, period] * (_IN_MUJOCO if resolved(AUTO) == 'mujoco' else 1.0)
-
-
-def _own_level(robot: str) -> float:
-    """Return that of a robot with its own period: between those of other ones, in proportion."""
-    known = {period: _level(name, period) for name, period in LEVELS if name == robot}
-    if None in known:
-        return known[None]
-    by_period = sorted((period, level) for period, level in known.items() if period is not None)
-    own = load_robot(robot).gaits['trot'].cycle_period or by_period[0][0]
-    periods, levels = np.array(by_period).T
-    return float(np.interp(own, periods, levels))
-
-
 def _in_workers(work: Callable[..., Result], jobs: Sequence[tuple[Any, ...]]) -> list[Result]:
     """Do all jobs in worker processes, in the engine that runs here."""
     with worker_pool() as pool:
@@ -157,7 +131,7 @@ def _pushes(console: Console, quick: bool, seed: int) -> Bars:
     """Push from all directions at all phases, in place, at half and at full speed."""
     if quick:
         case = BalanceCase(*_QUICK)
-        level = _level(*_QUICK)
+        level = push_level(*_QUICK)
         (fraction,) = _in_workers(survivors, [(case, level, 4, 2)])
         name = f'{case}: pushes of {level:.3g} m sqrt(g h) survived, of 8'
         return [at_least(name, 8.0 * fraction, '', 7.0)], {str(case): fraction}
@@ -167,7 +141,7 @@ def _pushes(console: Console, quick: bool, seed: int) -> Bars:
     console.print(_push_table(found))
     bars = []
     for one, other in zip(found, found[len(cases) :]):
-        level = _level(one.case.robot, one.case.period)
+        level = push_level(one.case.robot, one.case.period)
         value = one.survived_by(_SURVIVE)
         bars += [
             at_least(f'{one.case}: impulse that 90 % survive', value, 'm sqrt(g h)', level),
@@ -186,8 +160,8 @@ def _levels(console: Console, quick: bool, seed: int) -> Bars:
     phases = 1 if quick else _PHASES
     jobs = []
     for case in cases:
-        part = _HARDEST if case == case.hardest() else 1.0
-        jobs.append((case, part * _level(case.robot, case.period), _DIRECTIONS, phases))
+        part = HARDEST if case == case.hardest() else 1.0
+        jobs.append((case, part * push_level(case.robot, case.period), _DIRECTIONS, phases))
     fractions = _in_workers(survivors, jobs)
     bars = []
     for (case, level, _, _), fraction in zip(jobs, fractions):
@@ -202,7 +176,7 @@ def _disturbed(console: Console, quick: bool, seed: int) -> Bars:
     """Push on slippery ground, with a payload, late, with noise; each alone and all together."""
     if quick:
         case = BalanceCase(*_QUICK).hardest()
-        level = _HARDEST * _level(*_QUICK)
+        level = HARDEST * push_level(*_QUICK)
         (fraction,) = _in_workers(survivors, [(case, level, 4, 2)])
         name = f'{case}: pushes of {level:.3g} m sqrt(g h) survived, of 8'
         return [at_least(name, 8.0 * fraction, '', 7.0)], {str(case): fraction}
@@ -221,7 +195,7 @@ def _disturbed(console: Console, quick: bool, seed: int) -> Bars:
     bars = []
     for one in found:
         value, name = one.survived_by(_SURVIVE), f'{one.case}: impulse that 90 % survive'
-        level = _HARDEST * _level(one.case.robot, one.case.period)
+        level = HARDEST * push_level(one.case.robot, one.case.period)
         is_all = one.case == one.case.hardest()
         bars.append(
             at_least(name, value, 'm sqrt(g h)', level)
@@ -275,13 +249,18 @@ def _trot_bars(trot: SteadyTrot, planned: SteadyTrot) -> list[Criterion]:
     name = str(trot.case)
     tilt, before = math.degrees(trot.tilt_rms), math.degrees(planned.tilt_rms)
     bars = [at_most(f'{name}: tilt rms (planned: {before:.2f})', tilt, 'deg', max(before, 0.1))]
-    if trot.asked:
-        bars += [
-            at_most(f'{name}: error of the speed', 1e2 * abs(trot.error), '%', 2.0),
-            at_most(f'{name}: drift', 1e2 * trot.drift, '%', 1.0),
-            at_most(f'{name}: error of leg odometry', 1e2 * trot.odometry_error, '%', 1.0),
-        ]
-    return bars
+    return bars + _course_bars(trot)
+
+
+def _course_bars(trot: SteadyTrot) -> list[Criterion]:
+    if not trot.asked:
+        return []
+    name = str(trot.case)
+    return [
+        at_most(f'{name}: error of the speed', 1e2 * abs(trot.error), '%', 2.0),
+        at_most(f'{name}: drift', 1e2 * trot.drift, '%', 1.0),
+        at_most(f'{name}: error of leg odometry', 1e2 * trot.odometry_error, '%', 1.0),
+    ]
 
 
 def _stops(console: Console, quick: bool, seed: int) -> Bars:
@@ -299,6 +278,45 @@ def _stops(console: Console, quick: bool, seed: int) -> Bars:
             figure(f'{name}: time', walk.duration, 's'),
         ]
     return bars, {str(who): asdict(walk) for who, walk in zip(whos, walks)}
+
+
+def _walks(console: Console, quick: bool, seed: int) -> Bars:
+    """Walk in place of trotting: on the way, and pushed."""
+    whos = _WHO_WALK[:1] if quick else _WHO_WALK
+    speeds = (0.5,) if quick else _SPEEDS
+    cases = [BalanceCase(robot, speed=speed, gait='walk') for robot in whos for speed in speeds]
+    trots = _in_workers(steady_trot, [(case, 4.0 if quick else _STEADY, seed) for case in cases])
+    bars = [at_most('falls of steady walks', sum(trot.has_fallen for trot in trots), '', 0)]
+    for trot in trots:
+        bars += _course_bars(trot)
+        bars.append(figure(f'{trot.case}: tilt rms', math.degrees(trot.tilt_rms), 'deg'))
+    pushed = [BalanceCase(robot, gait='walk') for robot in whos]
+    phases = 1 if quick else _PHASES
+    jobs = [(case, HARDEST * own_push_level(case.robot), _DIRECTIONS, phases) for case in pushed]
+    fractions = _in_workers(survivors, jobs)
+    for (case, level, _, _), fraction in zip(jobs, fractions):
+        name = f'{case}: pushes of {level:.3g} m sqrt(g h) survived'
+        bars.append(at_least(name, 100.0 * fraction, '%', 100.0 * _SURVIVE))
+    details: dict[str, object] = {str(trot.case): asdict(trot) for trot in trots}
+    return bars, details | {f'{job[0]}, pushed': part for job, part in zip(jobs, fractions)}
+
+
+def _turns(console: Console, quick: bool, seed: int) -> Bars:
+    """Turn on the spot as fast as limits allow."""
+    whos = [_QUICK] if quick else list(LEVELS)
+    cases = [BalanceCase(*who, speed=0.0) for who in whos]
+    if not quick:
+        cases += [BalanceCase(robot, speed=0.0, gait='walk') for robot in _WHO_WALK]
+    jobs = [(case, side, 4.0 if quick else _TURNING, seed) for case in cases for side in (1, -1)]
+    turns: list[SteadyTurn] = _in_workers(steady_turn, jobs)
+    bars = [at_most('falls of steady turns', sum(turn.has_fallen for turn in turns), '', 0)]
+    for turn in turns:
+        name = f'{turn.case}, turning at {turn.asked:.2f} rad/s'
+        bars += [
+            figure(f'{name}: error of the rate', 1e2 * turn.error, '%'),
+            figure(f'{name}: tilt rms', math.degrees(turn.tilt_rms), 'deg'),
+        ]
+    return bars, {f'{turn.case} at {turn.asked:.2f}': asdict(turn) for turn in turns}
 
 
 def _silence(console: Console, quick: bool, seed: int) -> Bars:
@@ -357,7 +375,7 @@ def _goals(console: Console, quick: bool, seed: int) -> Bars:
     from quad_lab.balance.pushed_walks import pushed_walks
 
     robots = _WHO_WALKS[:1] if quick else _WHO_WALKS
-    levels = {robot: _HALF * _own_level(robot) for robot in robots}
+    levels = {robot: _HALF * own_push_level(robot) for robot in robots}
     return pushed_walks(console, levels, 1 if quick else _GOALS, seed)
 
 
@@ -366,6 +384,8 @@ PARTS: dict[str, Callable[[Console, bool, int], Bars]] = {
     'pushes': _pushes,
     'disturbed': _disturbed,
     'unpushed': _unpushed,
+    'turns': _turns,
+    'walks': _walks,
     'stops': _stops,
     'silence': _silence,
     'slopes': _slopes,

@@ -32,7 +32,7 @@ from quad_lab.closed_loop.gait_measures import (
 )
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 
-WALKING_GAITS = ('crawl', 'crab', 'wave', 'trot')
+WALKING_GAITS = ('crawl', 'crab', 'wave', 'trot', 'walk')
 
 _WALK = 60.0
 _QUICK_WALK = 8.0

@@ -34,7 +34,9 @@ from quad_sim.engines.registry import ENGINES
 PARTS = ('imports', 'broken', 'kinematics', 'serial', 'walks', 'fast', 'reversals', 'topics')
 """Parts for ``--only``."""
 
-_GAITS = ('crawl', 'wave', 'trot')
+_GAITS = ('crawl', 'wave', 'trot', 'walk')
+
+_DYNAMIC = ('trot', 'walk')
 
 _FRACTIONS = {'walks': 0.6, 'fast': 0.95}
 """Parts of the most that are walked."""
@@ -239,7 +241,7 @@ def _walk_bars(walks: list[ImportedWalk]) -> list[Criterion]:
     ]
     for gait in _GAITS:
         own = [found for found in walked if found.gait == gait]
-        drift = 0.02 if gait == 'trot' else 0.01
+        drift = 0.02 if gait in _DYNAMIC else 0.01
         off = max((abs(found.error) for found in own), default=None)
         aside = max((found.drift for found in own if found.direction not in CURVES), default=None)
         beside = max((found.drift for found in own if found.direction in CURVES), default=None)
@@ -248,7 +250,7 @@ def _walk_bars(walks: list[ImportedWalk]) -> list[Criterion]:
             at_most(f'{gait}: drift', aside, 'm/m', drift),
             figure(f'{gait}: drift on curves', beside, 'm/m'),
         ]
-        if gait == 'trot':
+        if gait in _DYNAMIC:
             tilt = max((math.degrees(found.tilt_rms) for found in own), default=None)
             bars.append(at_most(f'{gait}: tilt, rms', tilt, 'deg', 1.5))
     return bars

@@ -34,7 +34,7 @@ DIRECTIONS = {
 
 _LEAST_MARGIN = 0.005
 
-_DURATIONS = {'trot': 12.0}
+_DURATIONS = {'trot': 12.0, 'walk': 12.0}
 """Duration of a walk [s]."""
 
 _OTHERWISE = 24.0

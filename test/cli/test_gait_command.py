@@ -106,7 +106,10 @@ def test_a_larger_least_margin_is_harder_to_keep(capsys):
 @pytest.mark.parametrize(
     ('arguments', 'told'),
     [
-        (['gallop'], "'gait' is 'gallop'; it must be one of crab, crawl, trot, turn, wave, or"),
+        (
+            ['gallop'],
+            'it must be one of crab, crawl, trot, turn, walk, wave, or the path',
+        ),
         (['/nowhere.yaml'], "'gait' is '/nowhere.yaml'; it must be one of"),
         (['wave', '--robot', 'spot'], "there is no robot 'spot'; available: "),
     ],

@@ -30,7 +30,7 @@ def sound_motions(robot: Robot, rng: np.random.Generator) -> list[JointTrajector
             start, end = rng.uniform(lower, upper, (2, *lower.shape))
             motions.append(posture_trajectory(robot, start.reshape(-1), end, 10.0, 1.0, 0.02))
             continue
-        gait = load_gait(str(rng.choice(['crawl', 'crab', 'wave', 'trot', 'turn'])), robot)
+        gait = load_gait(str(rng.choice(['crawl', 'crab', 'wave', 'trot', 'walk', 'turn'])), robot)
         motion = rng.uniform(-0.5, 0.5, 3) * robot.largest_stride * [1.0, 0.5, 2.0]
         try:
             cycle = generate_cycle(robot, gait, BodyMotion(*(float(v) for v in motion)))

@@ -21,7 +21,7 @@ from quad_lab.closed_loop.controllers import controller_for
 from quad_lab.tools.criterion import Criterion, at_least, at_most
 from quad_lab.tools.workers import worker_pool
 
-_GAITS = ('crawl', 'wave', 'trot')
+_GAITS = ('crawl', 'wave', 'trot', 'walk')
 
 _WALKS, _QUICK_WALKS = 240, 4
 """Number of walks, each with one instant."""

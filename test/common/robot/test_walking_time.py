@@ -92,7 +92,7 @@ def test_a_pace_that_is_not_known_is_said(tmp_path):
     robot.write_text('name: mine\n')
     with pytest.raises(ParameterError, match=f'quadwalk gait pace crawl --robot {robot}'):
         load_pace(robot, 'crawl')
-    with pytest.raises(ParameterError, match='crawl, trot, wave'):
+    with pytest.raises(ParameterError, match='crawl, trot, walk, wave'):
         load_pace('titan_viii', 'gallop')
     (tmp_path / 'mine.pace.yaml').write_text('paces: {crawl: {stride: far}}')
     with pytest.raises(ParameterError, match=r'file of paces .*far'):
@@ -100,6 +100,6 @@ def test_a_pace_that_is_not_known_is_said(tmp_path):
 
 
 @pytest.mark.parametrize('robot', available_robots())
-@pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot'])
+@pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot', 'walk'])
 def test_every_robot_has_its_paces(robot, gait):
     assert load_pace(robot, gait).stride > 0.0

@@ -9,7 +9,7 @@ from told_supervisor import measurement
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.gait_choice import GaitChoice, long_gear
+from quad_gait.behaviours.gait_choice import GaitChoice, balanced_gait, long_gear
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits
 from quad_gait.cycle.body_motion import BodyMotion
@@ -41,6 +41,16 @@ def test_a_trot_keeps_the_balance_by_an_imu():
     assert gaits.manner_of(AHEAD) is Activity.BALANCING
     assert gaits.unbalanced == ''
     assert not gaits.look_at(state(imu=IMU))
+
+
+@pytest.mark.parametrize('gait', ['trot', 'walk'])
+def test_no_foot_swings_for_longer_than_a_body_may_fall(gait):
+    walking, options = load_gait(gait, ROBOT), BalanceOptions()
+    longest = options.longest_swing / walking.pendulum_rate
+    assert walking.longest_swing > longest
+    assert balanced_gait(walking, options).longest_swing == pytest.approx(longest)
+    quick = walking.with_period(0.5 * longest)
+    assert balanced_gait(quick, options).cycle_period == pytest.approx(quick.cycle_period)
 
 
 @pytest.mark.parametrize(

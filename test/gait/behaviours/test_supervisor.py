@@ -583,7 +583,7 @@ def test_a_longer_lead_time_delays_the_cycle_as_far_as_it_must(lead):
 
 ROBOTS = ('titan_viii', 'pukyong', 'cuhk', 'genibo')
 
-each_steady_gait = pytest.mark.parametrize('gait', ['wave', 'trot'])
+each_steady_gait = pytest.mark.parametrize('gait', ['wave', 'trot', 'walk'])
 
 
 def steady_walk(robot='titan_viii', gait='wave', **options):

@@ -4,8 +4,10 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
+import yaml
 
 from quad_common.errors import ParameterError
+from quad_common.robot.robot_build import LEGS
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.gait import Swing, available_gaits, load_gait
 from quad_gait.cycle.gait_check import DIRECTIONS, check_gait
@@ -98,6 +100,23 @@ def test_opposite_directions_are_as_large(robot):
         for a, b in zip(there, back):
             opposite = [-part for part in parts(b.largest)]
             assert parts(a.largest) == pytest.approx(opposite, rel=0.1)
+
+
+@each_robot
+@pytest.mark.parametrize('together', ['lf, lh', 'lf, rf'])
+def test_that_feet_of_one_side_or_end_cannot_be_balanced_on_is_said_once(robot, together, tmp_path):
+    offsets = {leg: 0.02 if leg in together.split(', ') else 0.52 for leg in LEGS}
+    document = {
+        'cycle_period': 0.4, 'phase_offsets': offsets, 'duty_factor': 0.54, 'is_static': False,
+        'swing_path': 'ellipse', 'swing_height': 0.025,
+    }  # fmt: skip
+    path = tmp_path / 'mine.yaml'
+    path.write_text(yaml.safe_dump(document), encoding='utf-8')
+    report = check_gait(ROBOTS[robot], load_gait(path, ROBOTS[robot]))
+    assert report.motions == ()
+    (sentence,) = report.problems
+    assert 'mm beside the feet that stand' in sentence
+    assert 'must be diagonal' in sentence
 
 
 def test_a_margin_that_is_asked_for_is_kept_or_told():

@@ -5,6 +5,7 @@ import itertools
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
@@ -42,8 +43,8 @@ def refusal(gait):
     return str(caught.value)
 
 
-def test_five_gaits_ship():
-    assert available_gaits() == ('crab', 'crawl', 'trot', 'turn', 'wave')
+def test_six_gaits_ship():
+    assert available_gaits() == ('crab', 'crawl', 'trot', 'turn', 'walk', 'wave')
     assert set(available_gaits()) == {path.stem for path in GAITS.glob('*.yaml')}
 
 
@@ -62,8 +63,8 @@ def test_swings_are_in_the_order_of_liftoff(name):
     assert liftoffs == sorted(liftoffs)
 
 
-def test_all_but_the_trot_are_static():
-    assert set(available_gaits()) - set(STATIC) == {'trot'}
+def test_all_but_the_trot_and_the_walk_are_static():
+    assert set(available_gaits()) - set(STATIC) == {'trot', 'walk'}
 
 
 @each_static_gait
@@ -96,6 +97,37 @@ def test_in_the_trot_diagonal_pairs_swing_half_a_cycle_apart():
     assert (gait.swing_path, gait.support_depth) == ('ellipse', 0.25)
 
 
+def test_in_the_walk_hind_before_front_on_each_side_and_two_feet_that_stand_are_diagonal():
+    gait = load_gait('walk')
+    # From touchdown to touchdown: a lateral sequence (Hildebrand).
+    landed = [leg for _, leg in sorted((swing.touchdown, swing.leg) for swing in gait.swings)]
+    assert landed == ['rf', 'lh', 'lf', 'rh']
+    assert 0.6 <= gait.duty_factor('lf') <= 0.8
+    assert len({round(gait.duty_factor(leg), 9) for leg in LEGS}) == 1
+    fewest = 4
+    for time in np.linspace(0.0, gait.cycle_period, 1001):
+        lifted = {s.leg for s in gait.swings if s.liftoff < time < s.touchdown}
+        fewest = min(fewest, 4 - len(lifted))
+        assert len(lifted) < 2 or lifted in ({'rf', 'lh'}, {'lf', 'rh'})
+    assert fewest == 2
+    # The second half is the first one with left and right exchanged.
+    half = gait.cycle_period / 2.0
+    for leg, other in (('rf', 'lf'), ('lh', 'rh')):
+        assert gait.swing(other).liftoff == pytest.approx(gait.swing(leg).liftoff + half)
+
+
+@pytest.mark.parametrize('name', ['trot', 'walk'])
+def test_diagonal_pairs_take_over_from_each_other_twice_in_a_cycle(name):
+    gait = load_gait(name)
+    period = gait.cycle_period
+    assert gait.support_edges == pytest.approx((0.0, period / 2.0, period))
+
+
+def test_the_longest_swing_is_what_the_duty_factor_leaves():
+    gait = load_gait('walk')
+    assert gait.longest_swing == pytest.approx(0.36 * gait.cycle_period)
+
+
 def test_in_the_wave_a_front_foot_follows_the_hind_foot_of_its_side():
     # S4: order 4-2-3-1 of its fig. 4, all feet down in between, and a period of 4 s.
     gait = load_gait('wave')
@@ -109,7 +141,8 @@ def test_the_crab_walks_in_the_order_of_the_crawl():
 
 
 def test_a_gait_whose_body_rests_between_cycles_says_when_it_moves():
-    assert {name for name in available_gaits() if load_gait(name).is_steady} == {'trot', 'wave'}
+    steady = {name for name in available_gaits() if load_gait(name).is_steady}
+    assert steady == {'trot', 'walk', 'wave'}
 
 
 @each_gait

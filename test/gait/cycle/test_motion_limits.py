@@ -70,13 +70,17 @@ def is_s0s_bound(limits, direction):
 @each_gait
 @each_direction
 def test_well_beyond_the_limit_it_is_not_possible_but_for_s0s_reserve(robot, gait, direction):
-    limits = LIMITS[robot, gait]
+    settings = replace(ROBOTS[robot].gaits[gait], largest_fractions=None)
+    whole = replace(ROBOTS[robot], gaits={gait: settings})
+    limits = MotionLimits(whole, load_gait(gait, whole))
     just_possible = limits.largest_scale(direction) / 0.95
     if is_s0s_bound(limits, direction):
         assert limits.gait.footholds == 'initial_posture'
     else:
         with pytest.raises(GaitError):
-            check(limits, ROBOTS[robot], direction.scaled(1.1 * just_possible))
+            # Coming to rest takes more of a walk than is looked at here.
+            beyond = 1.25 if gait == 'walk' else 1.1
+            check(limits, ROBOTS[robot], direction.scaled(beyond * just_possible))
 
 
 @each_robot
@@ -94,7 +98,8 @@ def test_the_reason_names_what_forbids_more(robot, gait, direction):
 def test_backward_is_as_far_as_forward(robot, gait):
     limits = LIMITS[robot, gait]
     forward, backward = (limits.largest_scale(BodyMotion(sign)) for sign in (1.0, -1.0))
-    assert backward == pytest.approx(forward, rel=0.02)
+    # Backward a walk is a different sequence.
+    assert backward == pytest.approx(forward, rel=0.05 if gait == 'walk' else 0.02)
 
 
 @pytest.mark.sweep(kept=6)

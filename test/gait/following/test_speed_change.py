@@ -39,7 +39,7 @@ def test_what_the_speeds_lead_to_stays_as_it_is(name):
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-def test_swinging_feet_are_never_tilted_down_to_the_ground(name):
+def test_swinging_feet_are_tilted_down_by_a_part_of_their_lift_at_most(name):
     robot = load_robot(name)
     gait = load_gait('trot', robot)
     rng = np.random.default_rng(2)
@@ -52,11 +52,11 @@ def test_swinging_feet_are_never_tilted_down_to_the_ground(name):
         kept = balanced_motion(wanted, ends, robot, gait)
         beyond = kept.minus(natural_motion(*ends, gait))
         lowered = lowered_feet(beyond, robot, gait)
-        assert lowered <= gait.swing_height * (1.0 + 1e-9)
+        assert lowered <= 0.4 * gait.swing_height * (1.0 + 1e-9)
         assert kept.turn == wanted.turn
         if kept is not wanted:
             shortened += 1
-            assert lowered == pytest.approx(gait.swing_height)
+            assert lowered == pytest.approx(0.4 * gait.swing_height)
             # Less of it, in the same direction.
             before = wanted.minus(natural_motion(*ends, gait))
             assert beyond.forward * before.left == pytest.approx(beyond.left * before.forward)

@@ -20,6 +20,7 @@ from quad_lab.balance.pushes import apart, survivors
 from quad_lab.balance.rough_ground import trot_over
 from quad_lab.balance.steady import silences, steady_trot
 from quad_lab.balance.stops import stopped_walk
+from quad_lab.balance.turns import steady_turn
 from quad_lab.closed_loop.balance_loop import NOISY, BalanceLoop
 from quad_lab.closed_loop.controllers import controller_for
 from quad_sim.engines.registry import preferred
@@ -56,6 +57,24 @@ def test_a_robot_with_slow_joints_survives_pushes_from_its_sides():
     pytest.importorskip('pybullet')
     with preferred('bullet'):
         assert survivors(BalanceCase('genibo'), 0.8, directions=4, phases=2) >= 0.75
+
+
+@pytest.mark.parametrize('robot', ['cuhk', 'genibo'])
+def test_a_walk_keeps_its_balance_too(robot):
+    # GENIBO did not walk at all where a cycle was to be as short as a trot's.
+    trot = steady_trot(BalanceCase(robot, speed=1.0, gait='walk'), 6.0)
+    assert not trot.has_fallen
+    assert trot.speed > 0.1
+    assert abs(trot.error) < 0.03
+    assert survivors(BalanceCase(robot, gait='walk'), 0.45, directions=4, phases=1) == 1.0
+
+
+@pytest.mark.parametrize('side', [1, -1])
+def test_a_robot_turns_on_the_spot_as_fast_as_its_limits_allow(side):
+    turn = steady_turn(BalanceCase('cuhk', speed=0.0), side, 4.0)
+    assert not turn.has_fallen
+    assert turn.asked * side > 3.0
+    assert abs(turn.error) < 0.12
 
 
 @pytest.mark.sweep(kept=2)

@@ -38,7 +38,7 @@ from quad_sim.engines.simulator import JointFailure
 
 RECORD = Path(__file__).with_name('fixed_walks.json')
 
-TURNINGS = {'crawl': 'in_place', 'wave': 'crab', 'trot': 'arc'}
+TURNINGS = {'crawl': 'in_place', 'wave': 'crab', 'trot': 'arc', 'walk': 'in_place'}
 """Gaits, and how each turns along a plan; the crab gait's legs move as the crawl's."""
 
 
