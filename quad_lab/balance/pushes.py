@@ -33,7 +33,7 @@ _LOOK = 0.3
 
 _BISECTIONS = 5
 
-_MOST = 1.6
+HARDEST_PUSH = 1.6
 """Hardest push, over sqrt(g h)."""
 
 
@@ -111,7 +111,7 @@ def survivors(case: BalanceCase, impulse: float, directions: int, phases: int) -
 
 def _hardest(walk: BalanceWalk, angle: float) -> tuple[float, float]:
     """Return the hardest push from an angle [rad] that is survived, and what the body gained."""
-    low, high, gained = 0.0, _MOST, 0.0
+    low, high, gained = 0.0, HARDEST_PUSH, 0.0
     for _ in range(_BISECTIONS):
         impulse = (low + high) / 2.0
         has_survived, gain = _tried(walk, impulse, angle)

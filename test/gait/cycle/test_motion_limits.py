@@ -77,9 +77,9 @@ def test_well_beyond_the_limit_it_is_not_possible_but_for_s0s_reserve(robot, gai
     if is_s0s_bound(limits, direction):
         assert limits.gait.footholds == 'initial_posture'
     else:
+        # Coming to rest takes more of a walk than is looked at here.
+        beyond = 1.25 if gait == 'walk' else 1.1
         with pytest.raises(GaitError):
-            # Coming to rest takes more of a walk than is looked at here.
-            beyond = 1.25 if gait == 'walk' else 1.1
             check(limits, ROBOTS[robot], direction.scaled(beyond * just_possible))
 
 
