@@ -35,7 +35,7 @@ def draw_survival(path: Path, columns: Mapping[str, Sequence[Survival]]) -> None
     """
     figure = Figure(figsize=(4.2 * len(columns), 6.4), layout='constrained')
     FigureCanvasAgg(figure)
-    axes = figure.subplots(2, len(columns), sharey=True, squeeze=False)
+    axes = figure.subplots(2, len(columns), sharey=True, sharex='row', squeeze=False)
     for column, (title, found) in enumerate(columns.items()):
         impulse, gained = axes[:, column]
         for one, color in zip(found, _COLORS):
@@ -69,4 +69,4 @@ def _draw(axes: Axes, hardest: NDArray[np.float64], color: str, name: str) -> No
         return
     over = np.concatenate(([0.0], np.sort(hardest)))
     survived = 100.0 * (1.0 - np.arange(len(over)) / len(hardest))
-    axes.step(over, survived, where='pre', color=color, linewidth=1.4, label=name)
+    axes.step(over, survived, where='post', color=color, linewidth=1.4, label=name)
