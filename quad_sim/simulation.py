@@ -26,11 +26,13 @@ from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
 from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_sim.engines.registry import engines_with
 from quad_sim.engines.simulator import (
+    Ball,
     Contact,
     JointFailure,
     Observation,
     Simulator,
     SolidSimulator,
+    ThrowingSimulator,
     VisibleSimulator,
 )
 from quad_sim.world.obstacle_changes import ObstacleChange, change_obstacles
@@ -340,6 +342,12 @@ class Simulation:
         self.check_solid('a push').push(force)
         self._push_ends = self.time + max(duration, self.time_step)
         self.pushes += bool(np.any(force))
+
+    def throw(self, ball: Ball | None) -> None:
+        """Let a ball fly; see :class:`ThrowingSimulator`. NotSimulated where there are no balls."""
+        if not isinstance(self._simulator, ThrowingSimulator):
+            raise NotSimulated('a ball', engines_with('has_world'))
+        self._simulator.throw(ball)
 
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it; NotSimulated if it cannot be seen."""

@@ -165,6 +165,12 @@ class BalanceWalk:
         self.loop.simulation.push(force + self._weight)
 
     @property
+    def velocity(self) -> Array:
+        """Velocity of the body along its own axes, forward and left, shape (2,) [m/s]."""
+        velocity: Array = self.loop.simulation.observe().linear_velocity_base_in_base[:2]
+        return velocity
+
+    @property
     def is_lost(self) -> bool:
         """Whether it has fallen, or stands though it is to trot."""
         return self.loop.record.has_fallen or self.loop.controller.activity not in _TROTTING

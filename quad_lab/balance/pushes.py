@@ -19,6 +19,9 @@ from quad_lab.balance.balance_case import BalanceCase, BalanceWalk
 
 Result = TypeVar('Result')
 
+Disturb = Callable[[BalanceWalk, float, float], tuple[bool, float]]
+"""What disturbs a robot with an impulse from an angle, and tells whether it survives."""
+
 PUSH = 0.1
 """Duration of a push [s]."""
 
@@ -89,11 +92,43 @@ def survival(case: BalanceCase, directions: int, phases: int, seed: int = 0) -> 
         walk.close()
 
 
-def survivors(case: BalanceCase, impulse: float, directions: int, phases: int) -> float:
+def pushed(walk: BalanceWalk, impulse: float, angle: float) -> tuple[bool, float]:
+    """
+    Push a robot's body for 0.1 s.
+
+    Parameters
+    ----------
+    walk : BalanceWalk
+        The robot.
+    impulse : float
+        Over m sqrt(g h).
+    angle : float
+        Direction in which it is pushed, in the world [rad].
+
+    Returns
+    -------
+    survives : bool
+        Whether it catches itself.
+    gained : float
+        Velocity that its body has gained when the push ends, over sqrt(g h).
+    """
+    size = walk.robot.mass * impulse * walk.unit / PUSH
+    before = walk.velocity
+    walk.push(size * np.array([math.cos(angle), math.sin(angle), 0.0]))
+    walk.loop.run(PUSH)
+    gained = float(np.linalg.norm(walk.velocity - before)) / walk.unit
+    walk.push(np.zeros(3))
+    return catches_itself(walk), gained
+
+
+def survivors(
+    case: BalanceCase, impulse: float, directions: int, phases: int, disturb: Disturb = pushed
+) -> float:
     """
     Return the fraction of pushes with an impulse, over m sqrt(g h), that are survived.
 
-    None, of a robot that does not trot: one that stands is not what is measured.
+    None, of a robot that does not trot: one that stands is not what is measured. ``disturb`` is
+    :func:`pushed` or what takes the same.
     """
     walk = BalanceWalk(case)
     count = 0
@@ -103,7 +138,8 @@ def survivors(case: BalanceCase, impulse: float, directions: int, phases: int) -
         for _ in range(phases):
             walk.loop.run(walk.period / phases)
             for k in range(directions):
-                count += _tried(walk, impulse, 2.0 * math.pi * k / directions)[0]
+                angle = 2.0 * math.pi * k / directions
+                count += apart(partial(disturb, walk, impulse, angle))[0]
         return count / (phases * directions)
     finally:
         walk.close()
@@ -114,7 +150,7 @@ def _hardest(walk: BalanceWalk, angle: float) -> tuple[float, float]:
     low, high, gained = 0.0, HARDEST_PUSH, 0.0
     for _ in range(_BISECTIONS):
         impulse = (low + high) / 2.0
-        has_survived, gain = _tried(walk, impulse, angle)
+        has_survived, gain = apart(partial(pushed, walk, impulse, angle))
         if has_survived:
             low, gained = impulse, gain
         else:
@@ -122,21 +158,9 @@ def _hardest(walk: BalanceWalk, angle: float) -> tuple[float, float]:
     return low, gained
 
 
-def _tried(walk: BalanceWalk, impulse: float, angle: float) -> tuple[bool, float]:
-    return apart(partial(_pushed, walk, impulse, angle))
-
-
-def _pushed(walk: BalanceWalk, impulse: float, angle: float) -> tuple[bool, float]:
-    """Push once; return whether the robot survives, and the velocity that its body gains."""
-    loop, unit = walk.loop, walk.unit
-    record = loop.record
-    size = walk.robot.mass * impulse * unit / PUSH
-    before = loop.simulation.observe().linear_velocity_base_in_base[:2]
-    walk.push(size * np.array([math.cos(angle), math.sin(angle), 0.0]))
-    loop.run(PUSH)
-    after = loop.simulation.observe().linear_velocity_base_in_base[:2]
-    gained = float(np.linalg.norm(after - before)) / unit
-    walk.push(np.zeros(3))
+def catches_itself(walk: BalanceWalk) -> bool:
+    """Return whether a robot that was disturbed just now is soon upright and calm again."""
+    loop, record = walk.loop, walk.loop.record
     began = loop.time
     least = began + 2.0 * walk.period + _AT_LEAST
     tilts: list[tuple[float, float]] = []
@@ -151,7 +175,7 @@ def _pushed(walk: BalanceWalk, impulse: float, angle: float) -> tuple[bool, floa
 
     loop.run(max(_AFTER, least - began), until=is_decided)
     recent = max(tilt for time, tilt in tilts if time > loop.time - _LOOK)
-    return not record.has_fallen and recent < _UPRIGHT, gained
+    return not record.has_fallen and recent < _UPRIGHT
 
 
 def apart(work: Callable[[], Result]) -> Result:

@@ -23,7 +23,7 @@ from quad_sim.engines.bullet_ground import lay_ground
 from quad_sim.engines.bullet_obstacles import BulletObstacles, build_walls
 from quad_sim.engines.bullet_robot import BulletRobot
 from quad_sim.engines.bullet_scene import BulletScene
-from quad_sim.engines.simulator import GRAVITY, GROUND, OBSTACLE, Observation
+from quad_sim.engines.simulator import BALL, GRAVITY, GROUND, OBSTACLE, Ball, Observation
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.world import OF_WORLD, Obstacle, World
 
@@ -145,6 +145,7 @@ class BulletSimulator(BulletRobot):
         self._scene: BulletScene | None = None
         self._goal: Pose2D | None = None
         self._steps = 0
+        self._ball: int | None = None
         client = open_client(time_step, gui)
         self._grounds = lay_ground(client, world)
         build_walls(client, world)
@@ -206,6 +207,18 @@ class BulletSimulator(BulletRobot):
         if self._scene is not None:
             self._scene.remove_obstacle(name)
 
+    def throw(self, ball: Ball | None) -> None:
+        """Let a ball fly; see :meth:`ThrowingSimulator.throw`."""
+        if self._ball is not None:
+            self._bullet.removeBody(self._ball)
+            self._ball = None
+        if ball is not None:
+            shape = self._bullet.createCollisionShape(self._bullet.GEOM_SPHERE, radius=ball.radius)
+            self._ball = self._bullet.createMultiBody(
+                ball.mass, shape, basePosition=ball.position.tolist()
+            )
+            self._bullet.resetBaseVelocity(self._ball, ball.velocity.tolist())
+
     @property
     def obstacles(self) -> dict[Hashable, Obstacle]:
         """Those that stand there now, besides the walls."""
@@ -250,4 +263,6 @@ class BulletSimulator(BulletRobot):
         return scene
 
     def _name(self, body: int) -> str:
+        if body == self._ball:
+            return BALL
         return GROUND if body in self._grounds else OBSTACLE

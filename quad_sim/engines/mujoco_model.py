@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.vision.markers import Color
-from quad_sim.engines.simulator import GRAVITY, GROUND, OBSTACLE
+from quad_sim.engines.simulator import BALL, GRAVITY, GROUND, OBSTACLE, Ball
 from quad_sim.world.appearance import AMBIENT, LIGHT_FROM, SQUARE_SHADE, Appearance
 from quad_sim.world.terrain import Terrain
 from quad_sim.world.world import OF_WORLD, Obstacle, World
@@ -78,6 +78,7 @@ class MujocoModel:
         self._heights: Array | None = None
         self._count: Counter[str] = Counter()
         self._placed: dict[Hashable, tuple[Obstacle, Any]] = {}
+        self._ball: Any = None
         # Feet are bodies of their own, so that contacts can be told apart.
         self._spec.compiler.fusestatic = False
         # Shapes that are only looked at were left out on reading; the floor's pattern is to stay.
@@ -127,6 +128,19 @@ class MujocoModel:
         """Take an obstacle away, if it is there."""
         if name in self._placed:
             self._spec.delete(self._placed.pop(name)[1])
+
+    def put_ball(self, ball: Ball | None) -> None:
+        """Put a ball, which is free to move, in the place of the last one; None: none."""
+        if self._ball is not None:
+            self._spec.delete(self._ball)
+            self._ball = None
+        if ball is not None:
+            self._ball = self._spec.worldbody.add_body(name=BALL, pos=ball.position.tolist())
+            self._ball.add_freejoint()
+            geom = self._ball.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[ball.radius, 0.0, 0.0], mass=ball.mass
+            )
+            make_solid(geom, self._world.friction, self._time_step)
 
     def _set_options(self) -> None:
         option = self._spec.option

@@ -19,6 +19,7 @@ from quad_common.rotations import quaternion_from_matrix
 from quad_sim.engines.mujoco_drives import MujocoMotors
 from quad_sim.engines.mujoco_model import make_solid, quaternion_of_yaw, rgba
 from quad_sim.engines.simulator import (
+    BALL,
     FAILURES,
     GROUND,
     OBSTACLE,
@@ -115,6 +116,8 @@ class MujocoRobot:
         name = str(self._model.body(body).name)
         if self._is_own[geom]:
             return name.removeprefix(self._prefix)
+        if name == BALL:
+            return BALL
         return robot_contact(name.partition('/')[0])
 
     def _stand(self, pose: Pose2D) -> None:

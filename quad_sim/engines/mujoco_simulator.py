@@ -15,7 +15,7 @@ from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_sim.engines.mujoco_drives import MujocoDrives
-from quad_sim.engines.simulator import Observation
+from quad_sim.engines.simulator import BALL, Ball, Observation
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.world import Obstacle, World
 
@@ -145,6 +145,16 @@ class MujocoSimulator(MujocoRobot):
         if name in self._parts.obstacles:
             self._parts.remove_obstacle(name)
             self._compile_again()
+
+    def throw(self, ball: Ball | None) -> None:
+        """Let a ball fly; see :meth:`ThrowingSimulator.throw`."""
+        self._parts.put_ball(ball)
+        self._compile_again()
+        if ball is not None:
+            joint = int(self._model.body(BALL).jntadr[0])
+            place, motion = self._model.jnt_qposadr[joint], self._model.jnt_dofadr[joint]
+            self._data.qpos[place : place + 7] = (*ball.position, 1.0, 0.0, 0.0, 0.0)
+            self._data.qvel[motion : motion + 6] = (*ball.velocity, 0.0, 0.0, 0.0)
 
     @property
     def obstacles(self) -> dict[Hashable, Obstacle]:

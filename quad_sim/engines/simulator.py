@@ -47,8 +47,22 @@ class JointFailure:
             raise ParameterError('failure', self.kind, f'one of {", ".join(FAILURES)}')
 
 
-GROUND, OBSTACLE = 'ground', 'obstacle'
+GROUND, OBSTACLE, BALL = 'ground', 'obstacle', 'ball'
 """What :attr:`Contact.other` says of the world; geometries of MuJoCo have names that begin so."""
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A ball that is thrown: it does not rebound."""
+
+    mass: float
+    """[kg]"""
+    radius: float
+    """[m]"""
+    position: Array
+    """Of its center in the world, shape (3,) [m]."""
+    velocity: Array
+    """In the world, shape (3,) [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +72,8 @@ class Contact:
     link: str
     """Link of the robot, for example ``lf_calf``."""
     other: str
-    """``ground``, ``obstacle``, another link of the robot, or ``robot`` and another one's name."""
+    """``ground``, ``obstacle``, ``ball``, another link of the robot, or ``robot`` and another one's
+    name."""
 
     def __str__(self) -> str:
         return f'{self.link} touches {self.other}'
@@ -171,6 +186,14 @@ class SolidSimulator(Simulator, Protocol):
 
     def remove_obstacle(self, name: Hashable) -> None:
         """Take an obstacle away, if it is there."""
+
+
+@runtime_checkable
+class ThrowingSimulator(SolidSimulator, Protocol):
+    """One in which a ball may be thrown at the robot."""
+
+    def throw(self, ball: Ball | None) -> None:
+        """Let a ball fly from now on, in the place of the last one; None takes that away."""
 
 
 @runtime_checkable
