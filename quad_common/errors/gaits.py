@@ -245,8 +245,8 @@ class GoalNotReached(GaitError):
     def sentence(self) -> str:
         """Say what is left."""
         return (
-            f'after {self.cycles} cycles at the goal the robot is still {self.distance:.3f} m and '
-            f'{math.degrees(self.angle):.1f} degrees off'
+            f'after {self.cycles} cycles at the goal that brought it no nearer the robot is still '
+            f'{self.distance:.3f} m and {math.degrees(self.angle):.1f} degrees off'
         )
 
 

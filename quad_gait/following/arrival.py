@@ -22,7 +22,7 @@ _NEARER = 2e-3
 
 class Arrival:
     """
-    Counts the cycles at the goal; where a robot may settle, those that bring it no nearer.
+    Counts the cycles at the goal that bring the robot no nearer.
 
     Parameters
     ----------
@@ -55,13 +55,14 @@ class Arrival:
         Raises
         ------
         GoalNotReached
-            If it is too far off after many cycles.
+            If it is too far off after many cycles that brought it no nearer.
         """
         options, distance = self._options, math.hypot(error.x, error.y)
+        size = work_left((), _HERE, error)
+        if size < self._least - _NEARER:
+            # A gait with short steps may need many of them for half a turn.
+            self._least, self._cycles = size, 0
         if options.settling_distance:
-            size = work_left((), _HERE, error)
-            if size < self._least - _NEARER:
-                self._least, self._cycles = size, 0
             is_near = distance <= options.settling_distance
             is_near = is_near and abs(error.yaw) <= options.settling_angle
             if is_near and self._cycles >= _SETTLING_CYCLES:

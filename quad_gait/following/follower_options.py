@@ -34,7 +34,7 @@ class FollowerOptions:
     largest_speed: float = math.inf
     """Speed along the path that is not exceeded, though the gait could [m/s]."""
     final_cycles: int = 12
-    """Number of cycles at the goal, at most, that turn and correct the pose."""
+    """Number of cycles at the goal, at most, that bring the robot no nearer to it."""
     settling_distance: float = 0.0
     """Distance from the goal within which a robot stays that corrections bring no nearer; 0: it
     must be within ``position_tolerance`` [m]."""

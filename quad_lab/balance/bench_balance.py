@@ -26,6 +26,7 @@ from quad_lab.balance.pushed_trots import (
     hardest_pushes,
     pushes_of_level,
     survival_curves,
+    thrown_balls,
 )
 from quad_lab.balance.rough_ground import BUMPS, RAMPS, SLOPES, trot_over
 from quad_lab.balance.trials import Bars, in_workers
@@ -42,7 +43,7 @@ _WALKS = 20
 """Walks of each over each ground."""
 
 
-_LONG = ('levels', 'curves')
+_LONG = ('levels', 'curves', 'balls')
 """Parts that a quick sample leaves out."""
 
 _OVER_TOPICS = 'goals'
@@ -142,6 +143,7 @@ PARTS: dict[str, Callable[[Console, bool, int], Bars]] = {
     'levels': pushes_of_level,
     'pushes': hardest_pushes,
     'curves': survival_curves,
+    'balls': thrown_balls,
     'disturbed': disturbed_pushes,
     'unpushed': unpushed_trots,
     'turns': turns_on_the_spot,

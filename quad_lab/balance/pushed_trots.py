@@ -16,6 +16,7 @@ from quad_lab.balance.balance_case import BalanceCase
 from quad_lab.balance.push_levels import HARDEST, LEVELS, push_level
 from quad_lab.balance.pushes import Survival, survival, survivors
 from quad_lab.balance.survival_picture import draw_survival
+from quad_lab.balance.thrown_ball import hit
 from quad_lab.balance.trials import DIRECTIONS, NEEDED, PHASES, QUICK, SPEEDS, Bars, in_workers
 from quad_lab.tools.criterion import at_least, at_most, figure
 from quad_sim.engines.registry import AUTO, resolved
@@ -90,6 +91,23 @@ def survival_curves(console: Console, quick: bool, seed: int) -> Bars:
     fallen = sum(one.has_fallen for one in found[: 2 * len(cases)])
     bars = [at_most('robots that fell before they were pushed', fallen, '', 0)]
     return bars, {str(one.case): asdict(one) for one in found}
+
+
+def thrown_balls(console: Console, quick: bool, seed: int) -> Bars:
+    """Throw a ball of a quarter of the robot's mass, with the impulse of a push."""
+    whos = [QUICK] if quick else list(LEVELS)
+    directions, phases = (4, 1) if quick else (DIRECTIONS, PHASES)
+    cases = [BalanceCase(*who) for who in whos]
+    cases += [replace(case, keeps_balance=False) for case in cases]
+    jobs = [(case, push_level(case.robot, case.period), directions, phases, hit) for case in cases]
+    fractions = in_workers(survivors, jobs)
+    bars = []
+    for (case, level, *_), fraction in zip(jobs, fractions):
+        name = f'{case}: balls of {level:.3g} m sqrt(g h) survived'
+        value, needed = 100.0 * fraction, 100.0 * NEEDED
+        keeps = case.keeps_balance
+        bars.append(at_least(name, value, '%', needed) if keeps else figure(name, value, '%'))
+    return bars, {str(job[0]): fraction for job, fraction in zip(jobs, fractions)}
 
 
 def disturbed_pushes(console: Console, quick: bool, seed: int) -> Bars:

@@ -311,8 +311,22 @@ def test_a_robot_that_is_too_far_off_to_settle_gives_up(stuck):
         follower.next_step(stuck)
 
 
-def test_where_it_may_settle_cycles_that_get_nearer_do_not_count():
-    follower, away = PathFollower(CRAWL, CRAWL, SETTLING), 0.4
+def test_half_a_turn_at_the_goal_takes_as_many_cycles_as_a_gait_with_short_steps_needs():
+    # TITAN-VIII walks by turns of 17 degrees, and gave up on its goal after twelve of them.
+    follower, yaw = PathFollower(CRAWL, CRAWL, OPTIONS), math.pi
+    follower.follow(Plan((Pose2D(1.0, 0.0, 0.0),)), Pose2D(1.0, 0.0, yaw))
+    cycles = 0
+    while yaw > OPTIONS.heading_tolerance:
+        assert follower.next_step(Pose2D(1.0, 0.0, yaw)) is not None
+        yaw -= math.radians(5.0)
+        cycles += 1
+    assert cycles > 2 * OPTIONS.final_cycles
+    assert follower.next_step(Pose2D(1.0, 0.0, 0.0)) is None
+
+
+@pytest.mark.parametrize('options', [OPTIONS, SETTLING])
+def test_cycles_that_get_nearer_do_not_count(options):
+    follower, away = PathFollower(CRAWL, CRAWL, options), 0.4
     follower.follow(Plan((Pose2D(1.0, 0.0, 0.0),)), Pose2D(1.4, 0.0, 0.0))
     for _ in range(3 * OPTIONS.final_cycles):
         assert follower.next_step(Pose2D(1.0 + away, 0.0, 0.0)) is not None
