@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from itertools import permutations
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -16,7 +15,6 @@ from numpy.typing import NDArray
 from quad_common.errors import GaitError
 from quad_common.planar_pose import Twist2D
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import CycleEnds
 from quad_gait.cycle.gait import Gait
@@ -28,6 +26,7 @@ from quad_gait.cycle.gait_generator import (
 )
 from quad_gait.cycle.joint_torques import torque_demand
 from quad_gait.cycle.part_check import crossing_feet
+from quad_gait.cycle.schedule import every_order
 
 _SAMPLES = 80
 """Per trial cycle: limits are met between samples to a fraction of a percent."""
@@ -102,7 +101,7 @@ class MotionLimits:
         center = robot.center_of_mass(robot.initial_joint_angles)[2] + robot.standing_height
         self.least_margin = least_margin if gait.is_static else -_BESIDE * float(center)
         """What cycles must keep; negative for a dynamic gait [m]."""
-        self._variants = _variants(gait) if gait.is_static else [gait]
+        self._variants = every_order(gait) if gait.is_static else [gait]
 
     @property
     def gait(self) -> Gait:
@@ -140,6 +139,19 @@ class MotionLimits:
         """
         size = self.size(motion)
         return math.inf if size == 0.0 else self._limit(motion).size / size
+
+    def possible_part(self, motion: BodyMotion) -> float:
+        """
+        Return which part of a motion fits into one cycle, at most 1.
+
+        Whether all of it does takes a tenth of the time in which the largest one is found, and
+        corrections at a goal, which are small, have a direction of their own each.
+        """
+        if self.size(motion) == 0.0:
+            return 1.0
+        if self._direction(motion) not in self._limits and self._fits(motion):
+            return 1.0
+        return min(1.0, self.largest_scale(motion))
 
     def reason(self, motion: BodyMotion) -> str:
         """Say what forbids more of a motion: a leg's reach, a joint, the margin."""
@@ -179,7 +191,7 @@ class MotionLimits:
             The velocity, and which limit bites; empty if none does.
         """
         motion = BodyMotion.during(twist, self.period)
-        fraction = self.largest_scale(motion)
+        fraction = self.possible_part(motion)
         return (twist, '') if fraction >= 1.0 else (twist.scaled(fraction), self.reason(motion))
 
     def _limit(self, motion: BodyMotion) -> _Limit:
@@ -200,6 +212,20 @@ class MotionLimits:
         """How far the motion carries the outermost foot, at most [m]."""
         radius = self._robot.footprint_radius
         return math.hypot(motion.forward, motion.left) + radius * abs(motion.turn)
+
+    def _fits(self, motion: BodyMotion) -> bool:
+        """Whether a motion is surely within its limit, which is not known."""
+        towards = self._direction(motion)
+        gait, direction, size = self._order(towards), BodyMotion(*towards), self.size(motion)
+        if not gait.is_steady:
+            # S0 has bounds of its own.
+            return False
+        asked, beyond = size / (self._reserve * self._used_of(direction)), direction.scaled(size)
+        return (
+            self._problem(gait, direction.scaled(asked)) is None
+            and self._weakness(gait, beyond) is None
+            and (self._bound is None or self._bound(beyond)[0] >= 1.0)
+        )
 
     def _search(self, towards: _Direction) -> _Limit:
         """Bisect between what is possible and what is not, up to four lengths of a leg."""
@@ -371,14 +397,3 @@ def _remembered(
             del known[next(iter(known))]
         known[direction] = found
     return known[direction]
-
-
-def _variants(gait: Gait) -> list[Gait]:
-    """List the gait with every permutation of its legs; first as it is."""
-    return [
-        replace(
-            gait,
-            swings=tuple(replace(swing, leg=legs[LEGS.index(swing.leg)]) for swing in gait.swings),
-        )
-        for legs in permutations(LEGS)
-    ]

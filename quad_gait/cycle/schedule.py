@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -349,3 +350,26 @@ def _half_turn(swing: Swing, times: Array) -> tuple[Array, Array]:
     late = 1.0 - _BLEND - (1.0 - u) ** 2 / (2.0 * _BLEND)
     fraction = np.where(u < _BLEND, early, np.where(u > 1.0 - _BLEND, late, u - _BLEND / 2.0))
     return np.pi * fraction / (1.0 - _BLEND), np.pi * rate / duration
+
+
+def every_order(gait: Gait) -> list[Gait]:
+    """
+    List a gait with every permutation of its legs.
+
+    Parameters
+    ----------
+    gait : Gait
+        The gait.
+
+    Returns
+    -------
+    list of Gait
+        24 gaits; the first is the gait as it is.
+    """
+    return [
+        replace(
+            gait,
+            swings=tuple(replace(swing, leg=legs[LEGS.index(swing.leg)]) for swing in gait.swings),
+        )
+        for legs in permutations(LEGS)
+    ]

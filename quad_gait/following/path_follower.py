@@ -311,8 +311,7 @@ class PathFollower:
         stride = math.hypot(error.x, error.y)
         fraction = 1.0
         if stride > _LEAST_CORRECTION:
-            direction = BodyMotion(error.x / stride, error.y / stride)
-            fraction = min(1.0, self._walking.largest_scale(direction) / stride)
+            fraction = self._walking.possible_part(BodyMotion(error.x, error.y))
         aim = Pose2D(fraction * error.x, fraction * error.y, error.yaw)
         return Step(is_turn=False, motion=BodyMotion.reaching(aim))
 

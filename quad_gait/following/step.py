@@ -30,6 +30,9 @@ class Gear(Protocol):
     def acceleration_fraction(self) -> float:
         """Fraction of a cycle's length at speed in which it gathers that speed."""
 
+    def possible_part(self, motion: BodyMotion) -> float:
+        """Return which part of a motion fits into a step, at most 1."""
+
     def largest_scale(self, motion: BodyMotion) -> float:
         """Return how many times a motion fits into one cycle."""
 
@@ -68,6 +71,10 @@ class LongGear:
     def largest_scale(self, motion: BodyMotion) -> float:
         """Return how many times a motion fits into all cycles."""
         return self.cycles * self.gear.largest_scale(motion)
+
+    def possible_part(self, motion: BodyMotion) -> float:
+        """Return which part of a motion fits into all cycles, at most 1."""
+        return self.gear.possible_part(motion.scaled(1.0 / self.cycles))
 
     def reason(self, motion: BodyMotion) -> str:
         """Say what forbids more of a motion."""

@@ -35,6 +35,9 @@ class Gear:
     def reason(self, motion):
         return 'made up'
 
+    def possible_part(self, motion):
+        return min(1.0, self.largest_scale(motion))
+
     def largest_scale(self, motion):
         return 1.0 / (
             math.hypot(motion.forward, motion.left) / self.stride + abs(motion.turn) / self.turn
