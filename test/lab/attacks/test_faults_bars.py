@@ -172,7 +172,7 @@ def test_no_combination_is_no_success():
 
 def test_only_limits_the_quantities_that_it_names():
     every = combinations()
-    assert len(every) == len(set(every)) == 144
+    assert len(every) == len(set(every)) == 192
     some = combinations(['pukyong', 'trot', 'wave'])
     assert {c.robot for c in some} == {'pukyong'}
     assert {c.gait for c in some} == {'trot', 'wave'}
