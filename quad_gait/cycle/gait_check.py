@@ -87,7 +87,7 @@ def check_gait(robot: Robot, gait: Gait, least_margin: float = 0.0) -> GaitRepor
     limits = MotionLimits(robot, gait, least_margin)
     motions: list[MotionReport] = []
     problems: list[str] = []
-    tipping = tipping_problem(robot, gait)
+    tipping = _tipping_problem(limits, robot)
     if tipping:
         # No direction makes up for that.
         return GaitReport((), (tipping,))
@@ -122,30 +122,15 @@ def check_gait(robot: Robot, gait: Gait, least_margin: float = 0.0) -> GaitRepor
     return GaitReport(tuple(motions), tuple(problems))
 
 
-def tipping_problem(robot: Robot, gait: Gait) -> str:
-    """
-    Say why a body cannot be balanced over the feet that a dynamic gait leaves down.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    gait : Gait
-        The gait, fitted to it.
-
-    Returns
-    -------
-    str
-        A sentence; empty for static gaits, where it can, and where feet do not reach at all.
-    """
-    if gait.is_static:
-        return ''
+def _tipping_problem(limits: MotionLimits, robot: Robot) -> str:
+    """Say why a body tips over the feet that a dynamic gait leaves down; empty if it does not."""
+    gait, most = limits.gait, -limits.least_margin
     try:
         beside = -generate_steady_cycle(robot, gait, BodyMotion()).least_margin
     except GaitError:
+        # Not even the legs can do it: that is said below.
         return ''
-    most = -MotionLimits(robot, gait).least_margin
-    if beside <= most:
+    if gait.is_static or beside <= most:
         return ''
     return (
         f'stepping on the spot the center of mass is {1e3 * beside:.0f} mm beside the feet that '

@@ -52,7 +52,6 @@ _KEPT = 4096
 _RESERVE = 0.95
 """Fraction of the largest motion that is used: what is left over corrects errors."""
 
-
 Array = NDArray[np.float64]
 
 _Direction = tuple[float, float, float]
@@ -101,6 +100,8 @@ class MotionLimits:
         center = robot.center_of_mass(robot.initial_joint_angles)[2] + robot.standing_height
         self.least_margin = least_margin if gait.is_static else -_BESIDE * float(center)
         """What cycles must keep; negative for a dynamic gait [m]."""
+        # Four lengths of a leg.
+        self._beyond_reach = 4.0 * max(float(leg.reach()[1]) for leg in robot.legs)
         self._variants = every_order(gait) if gait.is_static else [gait]
 
     @property
@@ -144,8 +145,7 @@ class MotionLimits:
         """
         Return which part of a motion fits into one cycle, at most 1.
 
-        Whether all of it does takes a tenth of the time in which the largest one is found, and
-        corrections at a goal, which are small, have a direction of their own each.
+        That all of it does is known in a third of the time in which the largest one is found.
         """
         if self.size(motion) == 0.0:
             return 1.0
@@ -222,15 +222,16 @@ class MotionLimits:
             return False
         asked, beyond = size / (self._reserve * self._used_of(direction)), direction.scaled(size)
         return (
-            self._problem(gait, direction.scaled(asked)) is None
+            asked < self._beyond_reach
+            and self._problem(gait, direction.scaled(asked)) is None
             and self._weakness(gait, beyond) is None
             and (self._bound is None or self._bound(beyond)[0] >= 1.0)
         )
 
     def _search(self, towards: _Direction) -> _Limit:
-        """Bisect between what is possible and what is not, up to four lengths of a leg."""
+        """Bisect between what is possible and what is not."""
         gait, direction = self._order(towards), BodyMotion(*towards)
-        high = 4.0 * max(float(leg.reach()[1]) for leg in self._robot.legs)
+        high = self._beyond_reach
         if gait.footholds == 'initial_posture' and not gait.is_steady:
             # S0's S_max and phi_max keep a reserve for ground that is lower than expected.
             bound, reason = self._bound_of_s0(direction)

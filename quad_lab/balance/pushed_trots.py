@@ -60,14 +60,7 @@ def pushes_of_level(console: Console, quick: bool, seed: int) -> Bars:
     for case in cases:
         part = HARDEST if case == case.hardest() else 1.0
         jobs.append((case, part * push_level(case.robot, case.period), DIRECTIONS, phases))
-    fractions = in_workers(survivors, jobs)
-    bars = []
-    for (case, level, _, _), fraction in zip(jobs, fractions):
-        name = f'{case}: pushes of {level:.3g} m sqrt(g h) survived'
-        keeps = case.keeps_balance
-        value = 100.0 * fraction
-        bars.append(at_least(name, value, '%', 90.0) if keeps else figure(name, value, '%'))
-    return bars, {str(job[0]): fraction for job, fraction in zip(jobs, fractions)}
+    return _survival_bars('pushes', cases, [job[1] for job in jobs], in_workers(survivors, jobs))
 
 
 def survival_curves(console: Console, quick: bool, seed: int) -> Bars:
@@ -100,14 +93,7 @@ def thrown_balls(console: Console, quick: bool, seed: int) -> Bars:
     cases = [BalanceCase(*who) for who in whos]
     cases += [replace(case, keeps_balance=False) for case in cases]
     jobs = [(case, push_level(case.robot, case.period), directions, phases, hit) for case in cases]
-    fractions = in_workers(survivors, jobs)
-    bars = []
-    for (case, level, *_), fraction in zip(jobs, fractions):
-        name = f'{case}: balls of {level:.3g} m sqrt(g h) survived'
-        value, needed = 100.0 * fraction, 100.0 * NEEDED
-        keeps = case.keeps_balance
-        bars.append(at_least(name, value, '%', needed) if keeps else figure(name, value, '%'))
-    return bars, {str(job[0]): fraction for job, fraction in zip(jobs, fractions)}
+    return _survival_bars('balls', cases, [job[1] for job in jobs], in_workers(survivors, jobs))
 
 
 def disturbed_pushes(console: Console, quick: bool, seed: int) -> Bars:
@@ -141,6 +127,21 @@ def disturbed_pushes(console: Console, quick: bool, seed: int) -> Bars:
             else figure(name, value, 'm sqrt(g h)')
         )
     return bars, {str(one.case): asdict(one) for one in found}
+
+
+def _survival_bars(
+    what: str, cases: Sequence[BalanceCase], levels: Sequence[float], fractions: Sequence[float]
+) -> Bars:
+    """Hold robots that keep their balance to nine of ten, and tell of the others."""
+    bars = []
+    for case, level, fraction in zip(cases, levels, fractions):
+        name, value = f'{case}: {what} of {level:.3g} m sqrt(g h) survived', 100.0 * fraction
+        bars.append(
+            at_least(name, value, '%', 100.0 * NEEDED)
+            if case.keeps_balance
+            else figure(name, value, '%')
+        )
+    return bars, {str(case): fraction for case, fraction in zip(cases, fractions)}
 
 
 def _push_table(found: Sequence[Survival]) -> Table:

@@ -53,7 +53,7 @@ def hit(walk: BalanceWalk, impulse: float, angle: float) -> tuple[bool, float]:
     radius = _RADIUS * robot.center_height
     distance = robot.footprint_radius + robot.foot_radius + radius
     speed = impulse * walk.unit / BALL_MASS
-    # As high as it was when it has come half of the way into the feet, from where the trunk is.
+    # Thrown upward by so much that it is as high again when it has come to the trunk.
     flight = distance / speed
     to_world = matrix_from_quaternion(seen.orientation)
     along = np.array([math.cos(angle), math.sin(angle), 0.0])

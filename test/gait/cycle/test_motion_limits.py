@@ -250,3 +250,27 @@ def test_what_a_follower_needs_to_know_is_the_gaits():
         limits = LIMITS['genibo', gait]
         assert limits.period == limits.gait.cycle_period
         assert limits.is_steady == limits.gait.is_steady
+
+
+@pytest.mark.parametrize('gait', ['trot', 'walk'])
+@pytest.mark.parametrize('size', [1e3, 1e150, 1e300])
+def test_steering_far_beyond_all_reach_is_slowed_down_to_the_limit(gait, size):
+    limits = MotionLimits(CUHK, load_gait(gait, CUHK))
+    twist, reason = limits.limited(Twist2D(size, 0.5 * size))
+    assert reason
+    known, _ = MotionLimits(CUHK, load_gait(gait, CUHK)).limited(Twist2D(10.0, 5.0))
+    assert twist.forward == pytest.approx(known.forward)
+    assert twist.left == pytest.approx(known.left)
+
+
+@pytest.mark.parametrize('gait', ['trot', 'walk'])
+def test_the_part_that_is_possible_is_that_of_the_largest_motion(gait):
+    rng = np.random.default_rng(5)
+    for _ in range(6):
+        direction = BodyMotion(*rng.normal(size=3).tolist())
+        limits = MotionLimits(CUHK, load_gait(gait, CUHK))
+        largest = direction.scaled(limits.largest_scale(direction))
+        for part in (0.1, 0.9, 1.5):
+            fresh = MotionLimits(CUHK, load_gait(gait, CUHK))
+            possible = fresh.possible_part(largest.scaled(part))
+            assert possible == pytest.approx(min(1.0, 1.0 / part), rel=1e-6)
